@@ -1796,7 +1796,8 @@ struct ScaledPlane {
     double worst = 0;
     for (int channel = 0; channel < field.channels && worst <= enough; ++channel) {
         const ScaledPlane plane(a, b, c, area, channel);
-        const double too_much = (enough + plane.slack) * area;
+        // More than rounding makes of `enough`: what is left out must not come back as a face that is not above it.
+        const double too_much = (enough + plane.slack) * area * (1 + 1.0 / 281474976710656.0);  // 1 + 2^-48
         double most = 0;
         for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
             if (most > too_much) return;

@@ -33,6 +33,7 @@ constexpr char footer[] =
     "  hmesh-terrain dem.tif --tiles 512 --list | parallel hmesh-terrain dem.tif -o t.ply --max-error 2 --tiles 512 --only {}\n"
     "  hmesh-terrain N45E006.hgt -o model.stl --max-error 5 --scale 0.001 --z-scale 2 --base 0\n"
     "  hmesh-terrain heights.r16 --size 1025x1025 --type uint16 --spacing 2 -o terrain.obj --vertices 20000\n"
+    "Models that are more than one run's work, on one machine or many: hmesh-terrain job --help.\n"
     "Exit status: 0 done, 1 failed, 2 wrong usage.";
 
 std::string formats_read() {
@@ -91,7 +92,7 @@ std::string parse_extent(const std::string& text, std::optional<Extent>& extent)
     return is_within && e[0] < e[2] && e[1] < e[3] ? "" : "must be degrees: west below east, south below north, from -90 to 90";
 }
 
-void add_file_options(CLI::App& app, Arguments& out) {
+void add_output_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("Files");
     add(app, "-o,--output", "FILE",
         "write the mesh; the ending chooses the format: .glb .ply .obj .stl, or .terrain, which is\n"
@@ -108,6 +109,9 @@ void add_file_options(CLI::App& app, Arguments& out) {
             out.report = text;
             return "";
         });
+}
+
+void add_reading_options(CLI::App& app, Arguments& out) {
     add(app, "--no-data", "VALUE", "the height that stands for none, in place of the file's; NaN and infinities always do",
         [&](const std::string& text) { return parse_into(parse_finite, text, out.reading.no_data); });
     add(app, "--size", "WxH", "of a raw file: columns and rows, little-endian, the first row in the north",
@@ -156,17 +160,27 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             std::string why = parse_into(parse_finite, text, out.border_tolerance);
             return why.empty() && *out.border_tolerance < 0 ? "must be 0 or more" : why;
         });
+}
 
+CLI::Option* add_tiles(CLI::App& app, Arguments& out, const char* description) {
     app.option_defaults()->group("Tiles");
-    CLI::Option* tiles = add(app, "--tiles", "N",
-                             "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
-                             "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
-                             "the tiles in work",
-                             [&](const std::string& text) {
-                                 std::string why = tool::parse_in_range(text, 1, 65535, out.tile);
-                                 out.reading.rows = out.tile;
-                                 return why;
-                             });
+    return add(app, "--tiles", "N", description, [&](const std::string& text) {
+        std::string why = tool::parse_in_range(text, 1, 65535, out.tile);
+        out.reading.rows = out.tile;
+        return why;
+    });
+}
+
+void add_jobs(CLI::App& app, const char* description, unsigned& jobs) {
+    add(app, "--jobs", "N", description, [&](const std::string& text) { return tool::parse_in_range(text, 0, 1024, jobs); });
+}
+
+void add_tile_options(CLI::App& app, Arguments& out) {
+    CLI::Option* tiles =
+        add_tiles(app, out,
+                  "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
+                  "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
+                  "the tiles in work");
     tool::add_list(app, "--only", "X_Y", "this tile alone; may be given more than once", [&](const std::string& text) {
         out.only.emplace_back();
         return parse_two(text, '_', 0, out.only.back().x, out.only.back().y);
@@ -177,8 +191,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         "--resume", [&] { out.resumes = true; },
         "leave tiles as they are whose files are newer than the input. They are whole, but of which\n"
         "options they were made is not looked at");
-    add(app, "--jobs", "N", "work on N tiles at once, or on one with N threads, 1 to 1024 (default: 0, all cores)",
-        [&](const std::string& text) { return tool::parse_in_range(text, 0, 1024, out.jobs); });
+    add_jobs(app, "work on N tiles at once, or on one with N threads, 1 to 1024 (default: 0, all cores)", out.jobs);
 }
 
 void add_model_options(CLI::App& app, Arguments& out) {
@@ -207,10 +220,10 @@ void add_model_options(CLI::App& app, Arguments& out) {
         });
 }
 
-void add_other_options(CLI::App& app, Arguments& out) {
+void add_other_options(CLI::App& app, bool& quiet) {
     app.option_defaults()->group("What is said");
     app.add_flag_callback(
-        "-q,--quiet", [&] { out.quiet = true; }, "print errors only");
+        "-q,--quiet", [&] { quiet = true; }, "print errors only");
     app.set_help_flag();
     app.add_flag_callback(
            "-h,--help", [] { throw Question{true}; }, "print this text")
@@ -220,12 +233,40 @@ void add_other_options(CLI::App& app, Arguments& out) {
         ->trigger_on_parse();
 }
 
+// One or more names.
+void add_names(CLI::App& app, const char* name, const std::string& description, std::vector<std::string>& names) {
+    const auto set = [&](const CLI::results_t& texts) {
+        names = texts;
+        return true;
+    };
+    app.add_option(name, set, description)->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args()->required();
+}
+
+std::string dem_words() { return "one file of one channel: " + formats_read() + ";\nor raw numbers, see --size"; }
+
+std::string version() {
+    const std::string gdal = gdal_version();
+    return "hmesh-terrain " HMESH_VERSION_STRING "\nreads\n  " + (gdal.empty() ? "" : gdal + "\n  ") +
+           ".asc, .hgt, PGM, PNG, raw: hmesh\n";
+}
+
+std::string find_second(const std::vector<std::string>& inputs) {
+    if (inputs.size() < 2) return {};
+    return "'" + inputs[0] + "' and '" + inputs[1] + "' are two inputs: gdalbuildvrt makes one of them";
+}
+
+// Whether an option is, which this command line need not have.
+bool is_given(const CLI::App& app, const char* name) {
+    const CLI::Option* const option = app.get_option_no_throw(name);
+    return option != nullptr && option->count() != 0;
+}
+
 // What is wrong with a command line of which each option is right by itself.
 std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (tool::is_standard(arguments.input)) return "the standard input is no file, of which parts can be read";
     if (arguments.input.empty()) return "no input file is given";
     for (const char* option : {"--list", "--resume"})  // a flag's needs() would be seen in the help
-        if (app.count(option) != 0 && arguments.tile == 0) return std::string(option) + " requires --tiles";
+        if (is_given(app, option) && arguments.tile == 0) return std::string(option) + " requires --tiles";
     if (arguments.reading.raw_type != RawType::by_size && arguments.reading.raw_width == 0)
         return "--type is given without --size";
     if (arguments.lists_tiles) return {};
@@ -242,7 +283,7 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.extent && !is_globe) return "--extent is given without an output that ends in .terrain";
     if (arguments.heights && !is_globe) return "--heights is given without an output that ends in .terrain";
     for (const char* option : {"--scale", "--spacing"})
-        if (is_globe && app.count(option) != 0)
+        if (is_globe && is_given(app, option))
             return std::string(option) + " means nothing to .terrain, which stands on the Earth by its degrees";
     std::error_code none;
     if (std::filesystem::equivalent(arguments.input, arguments.output, none) ||
@@ -267,32 +308,190 @@ CommandLine parse(const std::vector<std::string>& words) {
     tool::lay_out(app, "The heights");
     app.footer(footer);
     std::vector<std::string> inputs;
-    const auto set_inputs = [&](const CLI::results_t& texts) {
-        inputs = texts;
-        return true;
-    };
-    app.add_option("DEM", set_inputs, "one file of one channel: " + formats_read() + ";\nor raw numbers, see --size")
-        ->expected(1, CLI::detail::expected_max_vector_size)
-        ->allow_extra_args()
-        ->required();
-    add_file_options(app, arguments);
+    add_names(app, "DEM", dem_words(), inputs);
+    add_output_options(app, arguments);
+    add_reading_options(app, arguments);
     add_mesh_options(app, arguments);
+    add_tile_options(app, arguments);
     add_model_options(app, arguments);
-    add_other_options(app, arguments);
+    add_other_options(app, arguments.quiet);
     try {
         line.wrong = tool::parse_words(app, words, "no input file is given");
     } catch (const Question& question) {
-        const std::string gdal = gdal_version();
-        line.answer = question.is_help ? tool::help_of(app)
-                                       : "hmesh-terrain " HMESH_VERSION_STRING "\nreads\n  " +
-                                             (gdal.empty() ? "" : gdal + "\n  ") + ".asc, .hgt, PGM, PNG, raw: hmesh\n";
+        line.answer = question.is_help ? tool::help_of(app) : version();
         return line;
     }
     if (!line.wrong.empty()) return line;
-    if (inputs.size() > 1)
-        line.wrong = "'" + inputs[0] + "' and '" + inputs[1] + "' are two inputs: gdalbuildvrt makes one of them";
+    line.wrong = find_second(inputs);
     arguments.input = inputs.front();
     if (line.wrong.empty()) line.wrong = find_conflict(app, arguments);
+    return line;
+}
+
+// ---- hmesh-terrain job ----
+
+namespace {
+
+constexpr char job_help[] =
+    "Meshes a model of heights as a job in files: a folder in which a plan says what is to be done, and any engine does it,\n"
+    "task after task, on one machine or on many that share the folder. The files are byte for byte those of one process,\n"
+    "whatever engine, order, machine or restart.\n"
+    "\n"
+    "  hmesh-terrain job plan DEM -o JOB --max-error E   writes what is to be done, and build.ninja, slurm.sh and parallel.sh,\n"
+    "                                                    by which ninja, Slurm and GNU parallel do it\n"
+    "  hmesh-terrain job run JOB TASK...                 does tasks\n"
+    "  hmesh-terrain job status JOB                      says what is done, and what is missing or damaged\n"
+    "  hmesh-terrain job join JOB -o FILE|FOLDER         one .ply, .obj or .glb, or a folder of tiles with its index\n"
+    "\n"
+    "`hmesh-terrain job plan --help`, and so on, lists options. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+
+constexpr char plan_footer[] =
+    "JOB is a new folder: nothing outside of it is written. The same plan may be made again.\n"
+    "Examples:\n"
+    "  hmesh-terrain job plan dem.tif -o job --max-error 2 && ninja -C job && hmesh-terrain job join job -o terrain.ply\n"
+    "  hmesh-terrain job plan dem.tif -o job --max-error 2 --format terrain && job/slurm.sh --partition=short";
+
+constexpr tool::Named<Format> job_formats[] = {{"glb", Format::glb}, {"terrain", Format::quantized_mesh}};
+
+// The words of the options that say what is made, for the plan.
+std::vector<std::string> words_of(const CLI::App& app) {
+    std::vector<std::string> words;
+    for (const CLI::Option* option : app.get_options()) {
+        const bool is_made = option->get_group() != "The job" && option->get_group() != "What is said";
+        if (option->count() == 0 || option->get_lnames().empty() || !is_made) continue;
+        words.push_back("--" + option->get_lnames().front());
+        if (option->get_items_expected_max() > 0) words.insert(words.end(), option->results().begin(), option->results().end());
+    }
+    return words;
+}
+
+void begin_job(CLI::App& app, const char* inputs) {
+    tool::lay_out(app, inputs);
+    app.option_defaults()->group("The job");
+}
+
+void add_folder(CLI::App& app, JobArguments& out) { app.add_option("JOB", out.folder, "the job's folder")->required(); }
+
+void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>& inputs) {
+    begin_job(app, "The heights");
+    app.footer(plan_footer);
+    add_names(app, "DEM", dem_words(), inputs);
+    add(app, "-o,--output", "JOB", "the folder to write the job into", [&](const std::string& text) {
+        out.folder = text;
+        return "";
+    });
+    add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)",
+             job_formats, [&](Format format) { out.dem.format = format; });
+    app.add_flag_callback(
+        "--hash", [&] { out.hashes = true; },
+        "the input is known by its bytes, for machines that have copies of it; else by its size\nand time");
+    add(app, "--program", "PATH", "how engines find this program (default: as it was called now)", [&](const std::string& text) {
+        out.program = text;
+        return "";
+    });
+    add_other_options(app, out.quiet);
+    app.option_defaults()->group("How the input is read");
+    add_reading_options(app, out.dem);
+    add_mesh_options(app, out.dem);
+    add_tiles(app, out.dem, "cells of a tile's side, 1 to 65535 (default: 2048)");
+    add_model_options(app, out.dem);
+}
+
+void add_run_options(CLI::App& app, JobArguments& out) {
+    begin_job(app, "What is done");
+    app.footer(
+        "A task that is done already is not done again. One whose input is missing, of another plan or damaged says so and\n"
+        "writes nothing.");
+    add_folder(app, out);
+    add_names(app, "TASK", "names of tasks, as phase_1.txt lists them", out.tasks);
+    add(app, "--input", "PATH", "where the input is on this machine, in place of where it was planned",
+        [&](const std::string& text) {
+            out.input = text;
+            return "";
+        });
+    out.jobs = 1;
+    add_jobs(app, "work with N threads, 1 to 1024, or 0, all cores (default: 1)", out.jobs);
+    add_other_options(app, out.quiet);
+}
+
+void add_status_options(CLI::App& app, JobArguments& out) {
+    begin_job(app, "What is done");
+    app.footer("Exit status: 0 all is done, 1 not yet.");
+    add_folder(app, out);
+    app.add_flag_callback(
+        "--mend", [&] { out.mends = true; },
+        "take back receipts of tasks whose files are damaged, so that engines do them again");
+    app.add_flag_callback(
+        "--ready", [&] { out.lists_ready = true; },
+        "print the names of tasks that can be done now, one a line, and nothing else");
+    add_other_options(app, out.quiet);
+}
+
+void add_join_options(CLI::App& app, JobArguments& out) {
+    begin_job(app, "What is done");
+    add_folder(app, out);
+    add(app, "-o,--output", "PATH", "a file that ends in .ply, .obj or .glb, or a folder for tiles and their index",
+        [&](const std::string& text) {
+            out.output = text;
+            return "";
+        });
+    app.add_flag_callback(
+        "--open-seams", [&] { out.takes_open_seams = true; }, "join tiles that do not meet, too");
+    add_other_options(app, out.quiet);
+}
+
+std::string find_conflict(const CLI::App& app, JobArguments& job) {
+    Arguments& dem = job.dem;
+    if (job.folder.empty()) return "no folder is given: -o names it";
+    if (dem.tile == 0) dem.tile = dem.reading.rows = 2048;
+    if (dem.has_free_borders) return "--free-borders is given for a job, whose tiles are to meet";
+    if ((dem.vertices || dem.percent) && !dem.border_tolerance)
+        return "tiles with a number of vertices meet with --border-tolerance alone, which is not given";
+    if (dem.format == Format::none) dem.format = Format::glb;
+    dem.output = job.folder + (dem.format == Format::glb ? "/tiles.glb" : "/tiles.terrain");
+    return find_conflict(app, dem);
+}
+
+}  // namespace
+
+JobCommandLine parse_job(const std::vector<std::string>& words) {
+    JobCommandLine line;
+    JobArguments& job = line.arguments;
+    const std::string command = words.empty() ? "" : words.front();
+    if (command.empty() || command == "-h" || command == "--help") {
+        (command.empty() ? line.wrong : line.answer) =
+            command.empty() ? "job is given without plan, run, status or join" : job_help;
+        return line;
+    }
+    if (const std::string why = tool::find_name(job_commands, command, job.command); !why.empty()) {
+        line.wrong = "job '" + command + "' " + why;
+        return line;
+    }
+    CLI::App app("", "hmesh-terrain job " + command);
+    std::vector<std::string> inputs;
+    switch (job.command) {
+        case JobCommand::plan: add_plan_options(app, job, inputs); break;
+        case JobCommand::run: add_run_options(app, job); break;
+        case JobCommand::status: add_status_options(app, job); break;
+        case JobCommand::join: add_join_options(app, job); break;
+    }
+    try {
+        const bool names_tasks = job.command == JobCommand::run;
+        line.wrong = tool::parse_words(app, {words.begin() + 1, words.end()},
+                                       job.command == JobCommand::plan ? "no input file is given"
+                                       : names_tasks                   ? "no folder or no task is given"
+                                                                       : "no folder is given");
+    } catch (const Question& question) {
+        line.answer = question.is_help ? tool::help_of(app) : version();
+        return line;
+    }
+    if (!line.wrong.empty()) return line;
+    if (job.command == JobCommand::join && job.output.empty()) line.wrong = "no output is given: -o names it";
+    if (job.command != JobCommand::plan) return line;
+    line.wrong = find_second(inputs);
+    job.input = job.dem.input = inputs.front();
+    if (line.wrong.empty()) line.wrong = find_conflict(app, job);
+    job.words = words_of(app);
     return line;
 }
 

@@ -73,6 +73,37 @@ struct CommandLine {
 // The words after the program's name.
 [[nodiscard]] CommandLine parse(const std::vector<std::string>& words);
 
+enum class JobCommand : std::uint8_t { plan, run, status, join };
+
+inline constexpr tool::Named<JobCommand> job_commands[] = {
+    {"plan", JobCommand::plan}, {"run", JobCommand::run}, {"status", JobCommand::status}, {"join", JobCommand::join}};
+
+// What `hmesh-terrain job` was asked for.
+struct JobArguments {
+    JobCommand command = JobCommand::plan;
+    std::string folder;
+    std::string input;                        // of plan; of run: where it is on this machine, empty: where it was planned
+    Arguments dem;                            // of plan: of all tiles
+    std::vector<std::string> words;           // of plan: the options that say what is made, for parse()
+    bool hashes = false;                      // of plan: the input's bytes
+    std::string program;                      // of plan: how engines call it; empty: as it was called
+    std::vector<std::string> tasks;           // of run
+    unsigned jobs = 1;                        // of run: threads; 0: as many as cores
+    bool mends = false, lists_ready = false;  // of status
+    std::string output;                       // of join
+    bool takes_open_seams = false;            // of join
+    bool quiet = false;
+};
+
+struct JobCommandLine {
+    JobArguments arguments;
+    std::string wrong;   // what is wrong with the command line, a sentence; empty: nothing
+    std::string answer;  // what is to be printed instead of running; empty: nothing
+};
+
+// The words after `hmesh-terrain job`.
+[[nodiscard]] JobCommandLine parse_job(const std::vector<std::string>& words);
+
 }  // namespace terrain
 
 #endif  // HMESH_TERRAIN_ARGUMENTS_HPP

@@ -55,7 +55,6 @@ Json tile_value(const Tile& tile, const TileEnd& end) {
     value["max_error"] = end.max_error;
     value["rms_error"] = root_mean_square(end.sum_of_squares, end.measured);
     value["is_tighter"] = end.is_tighter;
-    value["seconds"] = in_microseconds(end.seconds);
     return value;
 }
 
@@ -82,8 +81,8 @@ std::string thousands(std::size_t number) {
 
 }  // namespace
 
-std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
-                        const std::vector<TileEnd>& ends, double seconds) {
+Json report_value(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
+                  const std::vector<TileEnd>& ends) {
     const Sum sum = sum_of(ends);
     Json report = {{"hmesh", HMESH_VERSION_STRING},
                    {"input", arguments.input},
@@ -104,9 +103,20 @@ std::string report_json(const Arguments& arguments, const Dem& dem, const Frame&
     report["max_error"] = sum.max_error;
     report["rms_error"] = root_mean_square(sum.squares, sum.measured);
     report["measured"] = "|surface - sample| at every sample, of the files as they were read back, in heights of the input";
-    report["seconds"] = in_microseconds(seconds);
     Json& values = report["tiles"] = Json::array();
     for (std::size_t k = 0; k < tiles.size(); ++k) values.push_back(tile_value(tiles[k], ends[k]));
+    return report;
+}
+
+std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
+                        const std::vector<TileEnd>& ends, double seconds) {
+    Json report = report_value(arguments, dem, frame, tiles, ends);
+    Json values = std::move(report["tiles"]);
+    report.erase("tiles");
+    report["seconds"] = in_microseconds(seconds);
+    for (std::size_t k = 0; k < tiles.size(); ++k)
+        if (ends[k].kind == Kind::made) values[k]["seconds"] = in_microseconds(ends[k].seconds);
+    report["tiles"] = std::move(values);
     return report.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
+#include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,11 @@ struct TileEnd {
     double seconds = 0;
 };
 
+// What all tiles are together, then each of them; no seconds.
+[[nodiscard]] nlohmann::ordered_json report_value(const Arguments& arguments, const Dem& dem, const Frame& frame,
+                                                  const std::vector<Tile>& tiles, const std::vector<TileEnd>& ends);
+
+// The same as text, with the seconds of the run and of each tile.
 [[nodiscard]] std::string report_json(const Arguments& arguments, const Dem& dem, const Frame& frame,
                                       const std::vector<Tile>& tiles, const std::vector<TileEnd>& ends, double seconds);
 

@@ -16,21 +16,17 @@ std::string tile_file(const std::string& output, const TileName& name) {
     return (path.parent_path() / file).string();
 }
 
-// Of so many samples, tiles of so many cells: the last one is what is left.
-int tiles_along(int samples, int cells) { return (samples - 1 + cells - 1) / cells; }
+}  // namespace
 
-Tile tile_at(const Arguments& arguments, const Dem& dem, TileName name) {
+Tile tile_at(int cells, int width, int height, const TileName& name) {
     Tile tile;
     tile.name = name;
-    tile.column = name.x * arguments.tile;
-    tile.row = name.y * arguments.tile;
-    tile.width = std::min(arguments.tile + 1, dem.width - tile.column);
-    tile.height = std::min(arguments.tile + 1, dem.height - tile.row);
-    tile.file = tile_file(arguments.output, name);
+    tile.column = name.x * cells;
+    tile.row = name.y * cells;
+    tile.width = std::min(cells + 1, width - tile.column);
+    tile.height = std::min(cells + 1, height - tile.row);
     return tile;
 }
-
-}  // namespace
 
 std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<Tile>& tiles) {
     if (dem.width < 2 || dem.height < 2)
@@ -42,15 +38,19 @@ std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<T
         return {};
     }
     const int across = tiles_along(dem.width, arguments.tile), down = tiles_along(dem.height, arguments.tile);
+    const auto add = [&](const TileName& name) {
+        tiles.push_back(tile_at(arguments.tile, dem.width, dem.height, name));
+        tiles.back().file = tile_file(arguments.output, name);
+    };
     for (const TileName& name : arguments.only) {
         if (name.x >= across || name.y >= down)
             return "--only '" + std::to_string(name.x) + "_" + std::to_string(name.y) + "' is not one of the " +
                    std::to_string(across) + " x " + std::to_string(down) + " tiles of '" + arguments.input + "'";
-        tiles.push_back(tile_at(arguments, dem, name));
+        add(name);
     }
     if (!tiles.empty()) return {};
     for (int y = 0; y < down; ++y)
-        for (int x = 0; x < across; ++x) tiles.push_back(tile_at(arguments, dem, {x, y}));
+        for (int x = 0; x < across; ++x) add({x, y});
     return {};
 }
 

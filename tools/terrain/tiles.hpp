@@ -20,6 +20,12 @@ struct Tile {
     std::string file;
 };
 
+// Of so many samples, tiles of so many cells a side: the last one is what is left.
+[[nodiscard]] constexpr int tiles_along(int samples, int cells) noexcept { return (samples - 1 + cells - 1) / cells; }
+
+// One of the tiles of so many cells that so many samples are cut into. It has no file yet.
+[[nodiscard]] Tile tile_at(int cells, int width, int height, const TileName& name);
+
 // The tiles that the arguments ask for, row after row from the north; one of all samples without --tiles. Returns "" or what is
 // wrong, a sentence.
 [[nodiscard]] std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<Tile>& tiles);

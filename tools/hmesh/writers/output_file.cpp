@@ -54,6 +54,27 @@ std::FILE* open_part(const std::string& name) {
 }
 #endif
 
+// Has the disk take all that was written to the file.
+bool put_on_disk([[maybe_unused]] std::FILE* file) {
+#ifdef _WIN32
+    return std::fflush(file) == 0;
+#else
+    return std::fflush(file) == 0 && ::fsync(::fileno(file)) == 0;
+#endif
+}
+
+// The same of the names in the folder of a file, where the system lets a program ask for it: what it refuses is no failure, for
+// the file is there.
+void put_names_on_disk([[maybe_unused]] const std::string& file) {
+#ifndef _WIN32
+    const std::string folder = fs::path(file).parent_path().string();
+    const int names = ::open(folder.empty() ? "." : folder.c_str(), O_RDONLY | O_CLOEXEC);
+    if (names < 0) return;
+    static_cast<void>(::fsync(names));
+    ::close(names);
+#endif
+}
+
 }  // namespace
 
 OutputFile::OutputFile(std::string path) : target_(std::move(path)), is_standard_(is_standard(target_)) {
@@ -108,13 +129,15 @@ bool OutputFile::operator()(const void* bytes, std::size_t size) {
     return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
 }
 
-bool OutputFile::commit() {
+bool OutputFile::commit(bool is_lasting) {
     errno = 0;
     std::FILE* file = file_;
     file_ = nullptr;
     if (is_standard_) return std::fflush(file) == 0 || fail(errno);
-    if (std::fclose(file) != 0) {
-        const int why = errno;
+    const bool is_kept = !is_lasting || in_place_ || put_on_disk(file);
+    const int refused = errno;
+    if (std::fclose(file) != 0 || !is_kept) {
+        const int why = is_kept ? errno : refused;
         discard();
         return fail(why);
     }
@@ -125,6 +148,7 @@ bool OutputFile::commit() {
     fs::rename(temporary_, target_, code);
     if (!code) {
         temporary_.clear();
+        if (is_lasting) put_names_on_disk(target_);
         return true;
     }
     discard();

@@ -26,8 +26,8 @@ class OutputFile {
     [[nodiscard]] bool open();
     // A sink, as the exporters of hmesh want it.
     [[nodiscard]] bool operator()(const void* bytes, std::size_t size);
-    // Closes the file and gives it its name.
-    [[nodiscard]] bool commit();
+    // Closes the file and gives it its name. A lasting one is on the disk then, and a power cut leaves it as it is.
+    [[nodiscard]] bool commit(bool is_lasting = false);
 
     // Why the last call returned false.
     [[nodiscard]] const std::string& error() const noexcept { return error_; }

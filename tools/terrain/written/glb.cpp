@@ -17,6 +17,16 @@ tool::Bytes bytes_of(const Json& json, const Json& accessor, tool::Bytes buffer)
                        view["byteLength"].get<std::size_t>());
 }
 
+// Three floats with y up, as three with z up.
+std::array<double, 3> upright(tool::Bytes numbers, std::size_t v) {
+    float at[3] = {};
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::uint32_t word = numbers.le32(12 * v + 4 * k);
+        std::memcpy(&at[k], &word, 4);
+    }
+    return {static_cast<double>(at[0]), 0 - static_cast<double>(at[2]), static_cast<double>(at[1])};
+}
+
 }  // namespace
 
 std::string read_glb(tool::Bytes file, Model& model) {
@@ -35,13 +45,12 @@ std::string read_glb(tool::Bytes file, Model& model) {
         const std::size_t size = kind == 5121 ? 1 : kind == 5123 ? 2 : 4;
         if (places["componentType"] != 5126 || !numbers.has(0, 12 * vertices) || !names.has(0, size * corners))
             return "its positions are no floats, or too few";
-        for (std::size_t v = 0; v < vertices; ++v) {
-            float at[3] = {};
-            for (std::size_t k = 0; k < 3; ++k) {
-                const std::uint32_t word = numbers.le32(12 * v + 4 * k);
-                std::memcpy(&at[k], &word, 4);
-            }
-            model.vertices.push_back({static_cast<double>(at[0]), -static_cast<double>(at[2]), static_cast<double>(at[1])});
+        for (std::size_t v = 0; v < vertices; ++v) model.vertices.push_back(upright(numbers, v));
+        if (primitive["attributes"].contains("NORMAL")) {
+            const Json& normals = json["accessors"][primitive["attributes"]["NORMAL"].get<std::size_t>()];
+            const tool::Bytes directions = bytes_of(json, normals, buffer);
+            if (normals["count"] != vertices || !directions.has(0, 12 * vertices)) return "its normals are too few";
+            for (std::size_t v = 0; v < vertices; ++v) model.normals.push_back(upright(directions, v));
         }
         const auto corner = [&](std::size_t k) {
             return first + (size == 1 ? names.u8(k) : size == 2 ? names.le16(2 * k) : names.le32(4 * k));

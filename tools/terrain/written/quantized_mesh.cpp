@@ -44,6 +44,15 @@ std::string read_quantized_mesh(tool::Bytes file, Model& model) {
         }
         model.faces.push_back(face);
     }
+    for (int side = 0; side < 4; ++side) at += 4 + file.le32(at) * size;
+    constexpr std::uint32_t normals = 1;  // extensions: a number, so many bytes, these
+    for (; file.has(at, 5); at += 5 + file.le32(at + 1)) {
+        if (file.u8(at) != normals) continue;
+        if (!file.has(at + 5, 2 * vertices)) return "its normals are too few";
+        for (std::size_t v = 0; v < vertices; ++v)
+            model.normals.push_back(
+                {static_cast<double>(file.u8(at + 5 + 2 * v)), static_cast<double>(file.u8(at + 6 + 2 * v)), 0});
+    }
     return {};
 }
 

@@ -31,6 +31,8 @@ struct Surface {
 struct Model {
     std::vector<std::array<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
+    std::vector<std::array<double, 3>>
+        normals;  // of the vertices, by read_glb(), and by read_quantized_mesh() as two bytes and 0
 };
 
 [[nodiscard]] std::string read_ply(tool::Bytes file, Model& model);

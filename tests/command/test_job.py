@@ -1,0 +1,539 @@
+"""hmesh-terrain job: a model as tasks in files, done by whatever engine, in any order, on a disk that fails."""
+import hashlib
+import json
+import os
+import random
+import resource
+import shutil
+import signal
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+
+import dems
+from conftest import contents, is_failure, read, rows
+from dems import ground, judge, read_model, with_holes
+
+WIDTH, HEIGHT, CELLS = 120, 75, 32
+TILES = [(x, y) for y in range(3) for x in range(4)]
+OPTIONS = f"--max-error 9 --effort fast --tiles {CELLS}"
+
+
+def write(name, content):
+    Path(name).write_bytes(content)
+
+
+def plan(terrain, options="", dem="dem.pgm", folder="job"):
+    if not Path(dem).exists():
+        write(dem, dems.pgm(ground(WIDTH, HEIGHT)))
+    terrain.done(f"job plan {dem} -o {folder} {OPTIONS} -q {options}")
+    return phases(folder)
+
+
+def phases(folder="job"):
+    return [path.read_text().split() for path in sorted(Path(folder).glob("phase_*.txt"))]
+
+
+def run(terrain, tasks, folder="job"):
+    return terrain.done(f"job run {folder} " + " ".join(tasks))
+
+
+def finish(terrain, folder="job"):
+    run(terrain, [task for tasks in phases(folder) for task in tasks], folder)
+
+
+def tiles(folder="job/tiles"):
+    """The content of all files, by their paths from the folder on."""
+    return {str(path.relative_to(folder)): path.read_bytes() for path in Path(folder).rglob("*") if path.is_file()}
+
+
+def sums(folder="job/tiles"):
+    return {name: hashlib.sha256(content).hexdigest() for name, content in tiles(folder).items()}
+
+
+def receipts(folder="job"):
+    return {path.stem: path.read_bytes() for path in Path(folder, "done").glob("*.json")}
+
+
+def forge(path, **changes):
+    """A file of the job with other values and the right checksum, as another program of this name might have written it."""
+    values = json.loads(Path(path).read_text())
+    del values["check"]
+    values.update(changes)
+    text = json.dumps(values, indent=1, ensure_ascii=False)
+    values["check"] = hashlib.sha256(text.encode()).hexdigest()
+    Path(path).write_text(json.dumps(values, indent=1, ensure_ascii=False) + "\n")
+
+
+def edges(model):
+    """Those of one face, as pairs of places."""
+    found = {}
+    for a, b, c in model.faces:
+        for edge in ((a, b), (b, c), (c, a)):
+            assert edge not in found, "an edge has two faces on one side"
+            found[edge] = True
+    return {(model.vertices[a], model.vertices[b]) for a, b in found if (b, a) not in found}
+
+
+def floats(numbers):
+    return struct.unpack("3f", struct.pack("3f", *numbers))  # of the nine digits of OBJ
+
+
+def from_south(height):
+    return lambda x, y, z: (x, height - 1 - y, z)
+
+
+# ---- what comes out ----
+@pytest.mark.parametrize("kind, options", [("glb", ""), ("glb", "--no-normals --scale 0.5 --z-scale 3"),
+                                           ("terrain", "--extent 7,45,7.5,45.4")])
+def test_tiles_are_those_of_one_process_byte_for_byte_in_whatever_order_tasks_are_done(terrain, kind, options):
+    first, seams, index = plan(terrain, f"{options} --format {kind}")
+    assert len(first) == len(TILES) and len(seams) == 3 and index == ["index"]
+    assert [sorted(names) for names in (first, seams)] == [sorted(first, key=lambda n: n.split("_")), seams]
+    random.Random(7).shuffle(first)
+    run(terrain, first)
+    run(terrain, seams[::-1])
+    run(terrain, index)
+    terrain.done(f"dem.pgm -o one.{kind} {OPTIONS} {options} -q")
+    for x, y in TILES:
+        assert read(f"one_{x}_{y}.{kind}") == read(f"job/tiles/0/{x:04}_{y:04}.{kind}")
+    report = json.loads(read("job/tiles/index.json"))
+    assert report["seams"]["pairs"] == 17 and report["seams"]["shared"] > 60 and report["seams"]["open"] == 0
+    assert {t["file"]: t["sha256"] for t in report["tiles"]}.items() <= sums().items()
+
+
+def test_no_threads_processes_or_restarts_are_seen_in_the_files(terrain):
+    plan(terrain)
+    finish(terrain)
+    before = sums()
+    plan(terrain, folder="other")
+    first, seams, index = phases()
+    for k, tasks in enumerate([first[:1], first[1:5], first[5:], seams[1:], seams[:1], index]):
+        terrain.done(f"job run other {' '.join(tasks)} --jobs {k % 4} -q")
+    assert sums("other/tiles") == before
+
+
+def test_the_whole_is_one_surface_without_a_crack_within_the_bound_in_any_format(terrain):
+    plan(terrain)
+    finish(terrain)
+    text = terrain.done("job join job -o whole.ply")
+    model = read_model("whole.ply")
+    assert f"{len(model.vertices)} vertices, {len(model.faces)} triangles" in text
+    assert judge(ground(WIDTH, HEIGHT), model, from_south(HEIGHT)) <= 9
+    assert len(set(model.vertices)) == len(model.vertices) == len(model.normals)
+    assert all(a[k] == b[k] and a[k] in (0, side) for a, b in edges(model)
+               for k, side in [(0, WIDTH - 1) if a[0] == b[0] else (1, HEIGHT - 1)])
+    corners = sorted((x, y) for x, y, _ in model.vertices if x in (0, WIDTH - 1) and y in (0, HEIGHT - 1))
+    assert corners == [(0, 0), (0, 74), (119, 0), (119, 74)]
+    of_tiles = [read_model(f"job/tiles/0/{x:04}_{y:04}.glb") for x, y in TILES]
+    assert len(model.faces) == sum(len(tile.faces) for tile in of_tiles)
+    known = {vertex: normal for tile in of_tiles for vertex, normal in zip(tile.vertices, tile.normals)}
+    assert all(known[vertex] == normal for vertex, normal in zip(model.vertices, model.normals))
+    for kind in ["glb", "obj"]:
+        terrain.done(f"job join job -o whole.{kind} -q")
+        other = read_model(f"whole.{kind}")
+        assert other.faces == model.faces and [floats(v) for v in other.vertices] == model.vertices
+        assert [floats(n) for n in other.normals] == model.normals
+
+
+def test_a_folder_of_tiles_has_an_index_and_is_copied_again_where_it_differs(terrain):
+    plan(terrain)
+    finish(terrain)
+    assert f"{len(TILES) + 2} files copied" in terrain.done("job join job -o served")
+    assert tiles("served") == tiles()
+    Path("served/0/0001_0001.glb").write_bytes(b"short")
+    assert f"1 files copied, {len(TILES) + 1} were there" in terrain.done("job join job -o served")
+    assert tiles("served") == tiles()
+
+
+def test_a_tileset_holds_each_tile_in_a_box_of_a_tree(terrain):
+    plan(terrain)
+    finish(terrain)
+    tileset = json.loads(read("job/tiles/tileset.json"))
+    assert tileset["asset"]["version"] == "1.1" and tileset["root"]["refine"] == "REPLACE"
+    found = []
+
+    def walk(node, around, error):
+        box = node["boundingVolume"]["box"]
+        span = [(box[k] - box[3 + 4 * k], box[k] + box[3 + 4 * k]) for k in range(3)]
+        assert all(low >= a and high <= b for (low, high), (a, b) in zip(span, around)) and node["geometricError"] <= error
+        for child in node.get("children", []):
+            walk(child, span, node["geometricError"])
+        assert len(node.get("children", [])) <= 4 and ("content" in node) == (node["geometricError"] == 0)
+        if "content" in node:
+            found.append(node["content"]["uri"])
+            for vertex in read_model("job/tiles/" + found[-1]).vertices:  # +y up in the file, turned as viewers do
+                assert all(low <= at <= high for (low, high), at in zip(span, vertex))
+
+    walk(tileset["root"], [(-1e9, 1e9)] * 3, tileset["geometricError"])
+    assert sorted(found) == [f"0/{x:04}_{y:04}.glb" for x in range(4) for y in range(3)]
+
+
+def test_tiles_of_cesiums_grid_have_its_names_and_a_layer(terrain):
+    side = 180 / 2 ** 9
+    west, north = -180 + 530 * side, -90 + 380 * side
+    write("dem.pgm", dems.pgm(ground(4 * 16 + 1, 3 * 16 + 1)))
+    extent = f"{west},{north - 3 * side},{west + 4 * side},{north}"
+    terrain.done(f"job plan dem.pgm -o job --max-error 9 --effort fast --tiles 16 --format terrain --extent {extent}")
+    finish(terrain)
+    layer = json.loads(read("job/tiles/layer.json"))
+    assert layer["maxzoom"] == 9 and layer["tiles"] == ["{z}/{x}/{y}.terrain"] and layer["extensions"] == ["octvertexnormals"]
+    assert layer["available"][:9] == [[]] * 9
+    names = {f"9/{x}/{y}.terrain" for run in layer["available"][9]
+             for x in range(run["startX"], run["endX"] + 1) for y in range(run["startY"], run["endY"] + 1)}
+    assert names == {f"9/{x}/{y}.terrain" for x in range(530, 534) for y in (377, 378, 379)} == set(tiles()) - {"layer.json", "index.json"}
+    report = json.loads(read("job/tiles/index.json"))
+    assert next(t for t in report["tiles"] if t["file"] == "9/530/379.terrain")["row"] == 0
+    terrain.fails("join them into a folder", "job join job -o whole.ply")
+    assert "layer.json" not in terrain.done(f"job plan dem.pgm -o off --max-error 9 --tiles 16 --format terrain --extent 7,45,8,46 -q")
+
+
+def test_samples_without_data_and_tiles_of_none(terrain):
+    heights = with_holes(ground(WIDTH, HEIGHT))
+    heights = [[None if x > 64 and y > 32 else z for x, z in enumerate(row)] for y, row in enumerate(heights)]
+    write("dem.asc", dems.asc(heights))
+    plan(terrain, dem="dem.asc")
+    finish(terrain)
+    empty = {t["file"] for t in json.loads(read("job/tiles/index.json"))["tiles"] if t["is"] == "empty"}
+    assert empty == {f"0/{x:04}_{y:04}.glb" for x, y in [(2, 1), (3, 1), (2, 2), (3, 2)]} and not empty & set(tiles())
+    assert "content" in str(json.loads(read("job/tiles/tileset.json"))) and not any(name in read("job/tiles/tileset.json").decode() for name in empty)
+    terrain.done("job join job -o whole.ply")
+    assert judge(heights, read_model("whole.ply"), from_south(HEIGHT)) <= 9
+
+
+def test_tiles_that_do_not_meet_are_not_joined_unawares(terrain):
+    plan(terrain)
+    plan(terrain, "--z-scale 2", folder="other")
+    finish(terrain, "other")
+    run(terrain, phases()[0])
+    name = "tiles/0/0001_0001.glb"
+    shutil.copy(f"other/{name}", f"job/{name}")
+    files = [{"name": name, "bytes": len(read(f"job/{name}")), "sha256": sums()[name[6:]]}]
+    forge("job/done/tile_0_0001_0001.json", files=files)
+    finish(terrain)
+    terrain.fails("first of tile_0_0001_0000 and tile_0_0001_0001", "job join job -o whole.ply")
+    assert not Path("whole.ply").exists()
+    terrain.done("job join job -o whole.ply --open-seams")
+    assert len(edges(read_model("whole.ply"))) > 100
+
+
+# ---- what is done ----
+def test_a_task_that_is_done_is_not_done_again_and_says_so(terrain):
+    plan(terrain)
+    finish(terrain)
+    before = {path: (content, path.stat().st_mtime_ns) for path, content in contents().items()}
+    tasks = sum(phases(), [])
+    assert run(terrain, tasks) == "".join(f"{task}  done before\n" for task in tasks)
+    terrain.done(f"job plan dem.pgm -o job {OPTIONS}")  # the same again
+    assert all((read(path), path.stat().st_mtime_ns) == before[path] for path in before if path.parts[-1] != "dem.pgm"
+               and path.parts[1] in ("done", "tiles", "plan.json"))
+    assert terrain.done("job status job").count("done") == 3
+
+
+def test_status_tells_what_is_done_ready_missing_and_damaged(terrain):
+    first, seams, index = plan(terrain)
+
+    def status(arguments=""):
+        ran = terrain.run(f"job status job {arguments}")
+        assert ran.stderr == ""
+        return ran.returncode, ran.stdout
+
+    assert status("--ready") == (1, "".join(task + "\n" for task in first))
+    run(terrain, first[:8])
+    code, text = status()
+    assert code == 1 and "tiles: 8 of 12 tasks done" in text and "seams: 0 of 3 tasks done" in text
+    assert status("--ready") == (1, "".join(task + "\n" for task in first[8:] + seams[:1]))
+    finish(terrain)
+    assert status()[0] == 0 and status("--ready") == (0, "")
+    whole = sums()
+    Path("job/tiles/0/0002_0001.glb").write_bytes(read("job/tiles/0/0002_0001.glb")[:-1])
+    Path("job/done/tile_0_0000_0000.json").write_bytes(b"{}")
+    code, text = status()
+    assert code == 1 and "tiles: 10 of 12 tasks done, 2 damaged" in text
+    assert "'job/tiles/0/0002_0001.glb' is damaged: it has" in text and "'job/done/tile_0_0000_0000.json' is damaged" in text
+    assert "2 taken back" in status("--mend")[1]
+    assert status("--ready")[1].split() == ["tile_0_0000_0000", "tile_0_0002_0001"]
+    assert run(terrain, first).count("done before") == 10 and status()[0] == 0 and sums() == whole
+
+
+def damage(how):
+    tile, receipt = Path("job/tiles/0/0001_0000.glb"), Path("job/done/tile_0_0001_0000.json")
+    if how == "cut":
+        tile.write_bytes(tile.read_bytes()[:-4])
+    elif how == "flipped":
+        tile.write_bytes(tile.read_bytes()[:700] + bytes([tile.read_bytes()[700] ^ 1]) + tile.read_bytes()[701:])
+    elif how == "gone":
+        tile.unlink()
+    elif how == "undone":
+        receipt.unlink()
+    elif how == "receipt cut":
+        receipt.write_bytes(receipt.read_bytes()[:-9])
+    elif how == "receipt changed":
+        receipt.write_bytes(receipt.read_bytes().replace(b'"vertices": ', b'"vertices": 1'))
+    elif how == "foreign":
+        forge(receipt, plan="0" * 64)
+    elif how == "renamed":
+        shutil.copy("job/done/tile_0_0002_0000.json", receipt)
+
+
+DAMAGES = {"cut": "'job/tiles/0/0001_0000.glb' is damaged: it has", "flipped": "'job/tiles/0/0001_0000.glb' is damaged: its bytes",
+           "gone": "'job/tiles/0/0001_0000.glb' is missing", "undone": "'job/done/tile_0_0001_0000.json' is missing",
+           "receipt cut": "'job/done/tile_0_0001_0000.json' is damaged",
+           "receipt changed": "'job/done/tile_0_0001_0000.json' is damaged",
+           "foreign": "'job/done/tile_0_0001_0000.json' is of another plan",
+           "renamed": "'job/done/tile_0_0001_0000.json' is of another task"}
+
+
+def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_written(terrain):
+    first, seams, _ = plan(terrain)
+    run(terrain, first)
+    whole = sums()
+    for how, sentence in DAMAGES.items():
+        damage(how)
+        before = contents()
+        terrain.fails(sentence, f"job run job {seams[0]}")
+        assert contents() == before
+        assert f"11 of 12 tasks done{'' if how == 'undone' else ', 1 damaged'}\n" in terrain.run("job status job").stdout
+        assert run(terrain, ["tile_0_0001_0000"]).count("off by at most") == 1 and sums() == whole
+    run(terrain, seams)
+
+
+@pytest.mark.parametrize("how, sentence", [("cut", "'job/tiles/0/0001_0000.glb' is damaged"), ("flipped", "its bytes are not those")])
+def test_join_refuses_what_was_damaged_after_it_was_indexed(terrain, how, sentence):
+    plan(terrain)
+    finish(terrain)
+    damage(how)
+    for output in ["whole.ply", "served"]:
+        terrain.fails(sentence, f"job join job -o {output}")
+    assert not Path("whole.ply").exists() and not Path("served/index.json").exists()
+
+
+def test_what_is_no_plan_of_this_program_and_input_is_refused(terrain):
+    plan(terrain)
+    text = read("job/plan.json")
+
+    def fails(sentence, arguments="job run job tile_0_0000_0000"):
+        before = contents()
+        terrain.fails(sentence, arguments)
+        assert contents() == before
+
+    for sentence, content in [("is damaged: its checksum", text.replace(b'"9"', b'"8"')), ("is damaged", text[:-30]), ("is damaged", b"")]:
+        write("job/plan.json", content)
+        fails(sentence)
+    for changes, sentence in [({"version": "0.0.9"}, "was made by hmesh-terrain 0.0.9, and this is"), ({"is": "a letter"}, "is no plan of"),
+                              ({"compiler": "tcc"}, "was made by an hmesh-terrain of tcc"), ({"width": "wide"}, "holds what no plan"),
+                              ({"options": ["--fast"]}, "has options that mean nothing: unknown option '--fast'")]:
+        write("job/plan.json", text)
+        forge("job/plan.json", **changes)
+        fails(sentence)
+    write("job/plan.json", text)
+    fails("'dem' is no job", "job run dem tile_0_0000_0000")
+    for name in ["tile_0_0004_0000", "tile_0_0_0", "tile_1_0000_0000", "seams", "../plan", "tile_0_0000_0000_", "index2"]:
+        fails(f"'{name}' is no task of this job", f"job run job {name}")
+    fails("holds another plan", f"job plan dem.pgm -o job {OPTIONS} --scale 2")
+    os.utime("dem.pgm", (1e9, 1e9))
+    fails("has been written since")
+    write("dem.pgm", read("dem.pgm") + b" ")
+    fails("is not the input that was planned: it has")
+    Path("dem.pgm").unlink()
+    fails("'")
+
+
+def test_a_plan_that_goes_by_the_bytes_of_its_input_takes_a_copy_elsewhere(terrain):
+    plan(terrain, "--hash")
+    os.utime("dem.pgm", (1e9, 1e9))
+    Path("there").mkdir()
+    os.rename("dem.pgm", "there/copy.pgm")
+    plan(terrain, "--hash", "there/copy.pgm", "other")
+    finish(terrain, "other")
+    terrain.done(f"job run job {' '.join(sum(phases(), []))} --input there/copy.pgm -q")
+    assert {name for name, content in tiles().items() if content != tiles("other/tiles")[name]} == {"index.json"}
+    assert json.loads(read("job/tiles/index.json"))["input"] == str(Path("dem.pgm").resolve())
+    Path("job/done/tile_0_0001_0000.json").unlink()
+    content = bytearray(read("there/copy.pgm"))
+    content[-1] ^= 1
+    write("there/copy.pgm", bytes(content))
+    terrain.fails("its bytes are others", "job run job tile_0_0001_0000 --input there/copy.pgm")
+
+
+def test_workers_on_one_task_at_once_do_no_harm(terrain):
+    first, _, _ = plan(terrain)
+    run(terrain, first)
+    whole = sums()
+    shutil.rmtree("job/done")
+    shutil.rmtree("job/tiles")
+    workers = [subprocess.Popen(terrain.words(f"job run job {first[k % 2]} {first[0]} -q"), stderr=subprocess.PIPE) for k in range(6)]
+    assert [(worker.communicate(timeout=60)[1], worker.returncode) for worker in workers] == [(b"", 0)] * 6
+    assert sums() == {name: whole[name] for name in ["0/0000_0000.glb", "0/0001_0000.glb"]} and set(receipts()) == set(first[:2])
+    assert not list(Path().rglob("*.part*"))
+
+
+def test_a_full_disk_loses_no_finished_task(terrain):
+    first, _, _ = plan(terrain)
+    run(terrain, first[:3])
+    before = contents()
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+
+    terrain.fails("cannot write 'job/tiles/0/0003_0000.glb'", f"job run job {first[3]} -q", preexec_fn=limit, restore_signals=False)
+    assert contents() == before
+    finish(terrain)
+    terrain.done("job status job -q")
+
+
+def test_nothing_outside_of_the_job_is_written_not_by_a_link_either(terrain):
+    first, _, _ = plan(terrain)
+    Path("outside").mkdir()
+    write("outside/0000_0000.glb", b"old")
+    Path("job/tiles").mkdir()
+    Path("job/tiles/0").symlink_to("../../outside")
+    terrain.fails("'job/tiles/0' is a link", f"job run job {first[0]}")
+    Path("job/tiles/0").unlink()
+    Path("job/tiles/0").mkdir()
+    Path("job/tiles/0/0000_0000.glb").symlink_to("../../../outside/0000_0000.glb")
+    terrain.fails("is a link", f"job run job {first[0]}")
+    Path("job/tiles/0/0000_0000.glb").unlink()
+    finish(terrain)
+    assert {path.parts[0] for path in contents()} == {"job", "dem.pgm", "outside"} and read("outside/0000_0000.glb") == b"old"
+    Path("full").mkdir()
+    write("full/file", b"")
+    terrain.fails("is not empty, and no job", f"job plan dem.pgm -o full {OPTIONS}")
+
+
+# ---- engines ----
+def kill_session(started):
+    """The engine and its tasks, in whatever groups it put them."""
+    for path in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            number, rest = int(path.parts[2]), path.read_text().rpartition(")")[2].split()
+            if int(rest[3]) == started.pid:
+                os.kill(number, signal.SIGKILL)
+        except OSError:
+            pass
+    started.wait()
+
+
+def engine(terrain, name):
+    if not shutil.which({"ninja": "ninja", "parallel": "parallel"}[name]):
+        pytest.skip(f"{name} is not installed")
+    return {"ninja": ["ninja", "-C", "job", "-j", "2"], "parallel": ["sh", "job/parallel.sh", "--jobs", "2"]}[name]
+
+
+@pytest.mark.parametrize("name", ["ninja", "parallel"])
+def test_engines_do_all_tasks_and_do_again_what_was_killed_or_damaged_and_nothing_else(terrain, name):
+    words = engine(terrain, name)
+    write("dem.pgm", dems.pgm(ground(WIDTH, HEIGHT)))
+    copy = Path("a folder's \"$name\"")  # engines must call it nevertheless
+    copy.mkdir()
+    (copy / "hmesh-terrain").symlink_to(terrain.path)
+    terrain.done(f"job plan dem.pgm -o one {OPTIONS} -q")
+    finish(terrain, "one")
+    subprocess.run([str(copy / "hmesh-terrain"), *terrain.words(f"job plan dem.pgm -o job {OPTIONS} -q")[1:]], check=True)
+
+    def run_engine():
+        return subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+
+    for pause in [0.03, 0.08]:
+        started = run_engine()
+        time.sleep(pause)
+        kill_session(started)
+    Path("job/tiles/0").mkdir(parents=True, exist_ok=True)
+    for path in list(Path("job/tiles").rglob("*.glb"))[::3]:
+        path.write_bytes(path.read_bytes()[:50])
+    terrain.run("job status job --mend -q")
+    before = receipts()
+    assert run_engine().wait(timeout=120) == 0
+    assert sums() == sums("one/tiles") and not [task for task, receipt in before.items() if receipts()[task] != receipt]
+    before = {path: path.stat().st_mtime_ns for path in Path("job").rglob("*") if path.parts[1] in ("done", "tiles")}
+    assert run_engine().wait(timeout=120) == 0
+    assert before == {path: path.stat().st_mtime_ns for path in before}
+
+
+def test_a_task_that_fails_stops_what_waits_for_it(terrain):
+    words = engine(terrain, "ninja")
+    plan(terrain)
+    os.utime("dem.pgm", (1e9, 1e9))
+    ran = subprocess.run(words, capture_output=True, encoding="utf-8")
+    assert ran.returncode == 1 and "has been written since" in ran.stdout and not receipts()
+
+
+def test_slurms_script_submits_a_phase_after_the_other(terrain):
+    plan(terrain)
+    Path("bin").mkdir()  # in place of Slurm: takes what is submitted, and runs it
+    Path("bin/sbatch").write_text("""#!/bin/sh
+echo "$*" >> ../submitted
+for word in "$@"; do case $word in --array=0-*) last=${word#--array=0-};; esac; done
+while case $1 in --*) true;; *) false;; esac; do shift; done
+for element in $(seq 0 "$last"); do SLURM_ARRAY_TASK_ID=$element sh "$@" >&2 || exit 1; done
+wc -l < ../submitted
+""")
+    Path("bin/sbatch").chmod(0o755)
+    path = f"{Path('bin').resolve()}:{os.environ['PATH']}"
+    ran = subprocess.run(["job/slurm.sh", "--partition=short"], env={**os.environ, "PATH": path}, capture_output=True, encoding="utf-8")
+    assert (ran.returncode, ran.stdout.strip()) == (0, "3"), ran.stderr
+    assert Path("submitted").read_text().splitlines() == [
+        "--parsable --array=0-11 --partition=short slurm_task.sh phase_1.txt 1",
+        "--parsable --dependency=afterok:1 --kill-on-invalid-dep=yes --array=0-2 --partition=short slurm_task.sh phase_2.txt 1",
+        "--parsable --dependency=afterok:2 --kill-on-invalid-dep=yes --array=0-0 --partition=short slurm_task.sh phase_3.txt 1"]
+    terrain.done("job status job -q")
+    write("large.pgm", dems.pgm([[0] * 61] * 51))  # 3000 tiles: an element is some of them
+    terrain.done("job plan large.pgm -o large --max-error 1 --tiles 1 -q")
+    assert "submit 1000 phase_1.txt 3 " in Path("large/slurm.sh").read_text()
+
+
+# ---- the command line ----
+WRONG = rows("""
+    job is given without plan, run, status or join  | job
+    job 'do' is not one of: plan, run, status, join | job do
+    no input file is given                          | job plan -o x --max-error 1
+    no folder is given                              | job plan dem.pgm --max-error 1
+    how fine is not said                            | job plan dem.pgm -o x
+    --free-borders is given for a job               | job plan dem.pgm -o x --max-error 1 --free-borders
+    meet with --border-tolerance alone              | job plan dem.pgm -o x --vertices 9
+    --format 'ply' is not one of: glb, terrain      | job plan dem.pgm -o x --max-error 1 --format ply
+    --extent is given without                       | job plan dem.pgm -o x --max-error 1 --extent 1,2,3,4
+    two inputs                                      | job plan dem.pgm dem.pgm -o x --max-error 1
+    unknown option '--only'                         | job plan dem.pgm -o x --max-error 1 --only
+    no folder or no task is given                   | job run x
+    no folder is given                              | job status
+    no output is given                              | job join x
+    """)
+
+
+@pytest.mark.parametrize("sentence, arguments", WRONG)
+def test_wrong_usage_is_told_in_one_sentence_with_exit_status_2(terrain, sentence, arguments):
+    write("dem.pgm", dems.pgm(ground(9, 9)))
+    before = contents()
+    ran = terrain.run(arguments)
+    assert ran.returncode == 2 and ran.stderr.startswith("hmesh-terrain: ") and sentence in ran.stderr.splitlines()[0]
+    assert ran.stdout == "" and contents() == before
+
+
+FAILURES = rows("""
+    'missing.pgm'                    | job plan missing.pgm -o x --max-error 1
+    does not say its degrees         | job plan dem.pgm -o x --max-error 1 --format terrain
+    'dem.pgm' is no folder           | job plan dem.pgm -o dem.pgm --max-error 1
+    is no plain file                 | job plan . -o x --max-error 1 --hash
+    'x' is no job                    | job status x
+    is no job                        | job join x -o whole.ply
+    """)
+
+
+@pytest.mark.parametrize("sentence, arguments", FAILURES)
+def test_a_failure_is_told_in_one_sentence_and_writes_nothing(terrain, sentence, arguments):
+    write("dem.pgm", dems.pgm(ground(9, 9)))
+    before = contents()
+    terrain.fails(sentence, arguments)
+    assert contents() == before
+
+
+def test_help_of_each_part(terrain):
+    assert all(f"hmesh-terrain job {part}" in terrain.done("job --help") for part in ["plan", "run", "status", "join"])
+    for part, option in [("plan", "--hash"), ("run", "--input"), ("status", "--mend"), ("join", "--open-seams")]:
+        text = terrain.done(f"job {part} --help")
+        assert option in text and max(map(len, text.splitlines())) <= 132
+    assert "hmesh-terrain job --help" in terrain.done("--help")

@@ -1,0 +1,226 @@
+#include "terrain/job/tasks.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <ctime>
+#include <nlohmann/json.hpp>
+
+#include "terminal/progress_watch.hpp"
+#include "terrain/job/places.hpp"
+
+namespace terrain {
+namespace {
+
+using job::Json;
+using Kind = TileEnd::Kind;
+
+constexpr char index_file[] = "tiles/index.json";
+
+Json value_of(const TileEnd& end, const std::array<double, 6>& box) {
+    return {{"is", end.kind == Kind::empty ? "empty" : "made"},
+            {"vertices", end.vertices},
+            {"triangles", end.triangles},
+            {"samples", end.samples},
+            {"no_data", end.no_data},
+            {"max_error", end.max_error},
+            {"sum_of_squares", end.sum_of_squares},
+            {"measured", end.measured},
+            {"asked", end.asked},
+            {"is_tighter", end.is_tighter},
+            {"box", box}};
+}
+
+TileFacts facts_of(const Json& facts) {
+    TileFacts tile;
+    tile.end.kind = facts["is"] == "empty" ? Kind::empty : Kind::made;
+    const auto count = [&](const char* name) { return facts[name].get<std::size_t>(); };
+    tile.end.vertices = count("vertices");
+    tile.end.triangles = count("triangles");
+    tile.end.samples = count("samples");
+    tile.end.no_data = count("no_data");
+    tile.end.measured = count("measured");
+    tile.end.max_error = facts["max_error"].get<double>();
+    tile.end.sum_of_squares = facts["sum_of_squares"].get<double>();
+    tile.end.asked = facts["asked"].get<double>();
+    tile.end.is_tighter = facts["is_tighter"].get<bool>();
+    tile.box = facts["box"].get<std::array<double, 6>>();
+    return tile;
+}
+
+std::array<double, 6> box_of(const Model& model) {
+    std::array<double, 6> box{};
+    for (std::size_t v = 0; v < model.vertices.size(); ++v)
+        for (std::size_t k = 0; k < 3; ++k) {
+            const double at = model.vertices[v][k];
+            box[k] = v == 0 ? at : std::min(box[k], at);
+            box[k + 3] = v == 0 ? at : std::max(box[k + 3], at);
+        }
+    return box;
+}
+
+std::string parse_tile(Format format, const std::vector<unsigned char>& bytes, Model& model) {
+    const tool::Bytes file{bytes.data(), bytes.size()};
+    return format == Format::quantized_mesh ? read_quantized_mesh(file, model) : read_glb(file, model);
+}
+
+// A task that another one needs.
+std::string find_needed(const Plan& plan, const TaskName& task, job::Look look, job::Done& done, Json& facts) {
+    done = job::find_done(plan.folder, plan.identity, name_of(plan, task), look, facts);
+    return done.why;
+}
+
+std::string in_words(const Seams& seams) {
+    std::string text = std::to_string(seams.pairs) + " pairs, " + std::to_string(seams.shared) + " vertices shared";
+    if (seams.open > 0) text += ", " + std::to_string(seams.open) + " that the other has not";
+    if (seams.no_data > 0) text += ", " + std::to_string(seams.no_data) + " beside samples without data";
+    return text;
+}
+
+}  // namespace
+
+std::string find_tile(const Plan& plan, const TaskName& task, TileFacts& facts) {
+    job::Done done;
+    Json found;
+    if (std::string why = find_needed(plan, task, job::Look::sizes, done, found); !why.empty()) return why;
+    facts = facts_of(found);
+    if (!done.made.empty()) facts.file = done.made.front();
+    return {};
+}
+
+std::string read_tile(const Plan& plan, const TaskName& task, TileFacts& facts, Model& model) {
+    model = {};
+    if (std::string why = find_tile(plan, task, facts); !why.empty()) return why;
+    if (facts.end.kind == Kind::empty) return {};
+    std::vector<unsigned char> bytes;
+    if (std::string why = job::read_made(plan.folder, facts.file, bytes); !why.empty()) return why;
+    const std::string why = parse_tile(plan.arguments.format, bytes, model);
+    return why.empty() ? "" : "'" + plan.folder.path(facts.file.name) + "' cannot be read: " + why;
+}
+
+std::string Worker::open() {
+    if (dem_) return {};
+    if (std::string why = open_input(plan_, dem_); !why.empty()) return why;
+    maker_ = std::make_unique<TileMaker>(plan_.arguments, *dem_);
+    return maker_->prepare();
+}
+
+std::string Worker::make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
+                              Json& facts) {
+    if (std::string why = open(); !why.empty()) return why;
+    const Tile tile = tile_of(plan_, task);
+    TileEnd end;
+    std::vector<unsigned char> bytes;
+    const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !tool::interrupted; };
+    if (std::string why = maker_->make(tile, progress, parallel_for, end, bytes); !why.empty()) return why;
+    Model model;
+    if (end.kind == Kind::made) {
+        if (std::string why = parse_tile(plan_.arguments.format, bytes, model); !why.empty()) return why;
+        made.emplace_back();
+        if (std::string why =
+                job::write_made(plan_.folder, "tiles/" + tile_file(plan_, task), bytes.data(), bytes.size(), made.back());
+            !why.empty())
+            return why;
+    }
+    facts = value_of(end, box_of(model));
+    return {};
+}
+
+std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
+    if (std::string why = open(); !why.empty()) return why;
+    std::vector<Tile> tiles;
+    std::vector<TileEnd> ends;
+    std::vector<PlacedTile> placed;
+    Seams all;
+    for (int level = 0; level < static_cast<int>(plan_.levels.size()); ++level) {
+        const auto [across, down] = plan_.levels[static_cast<std::size_t>(level)];
+        for (int y = 0; y < down; ++y) {
+            job::Done done;
+            Json row;
+            if (std::string why = find_needed(plan_, {TaskKind::seams, level, 0, y}, job::Look::sizes, done, row); !why.empty())
+                return why;
+            const Seams seams = seams_of(row);
+            all.pairs += seams.pairs;
+            all.shared += seams.shared;
+            all.open += seams.open;
+            all.no_data += seams.no_data;
+            if (all.first.empty()) all.first = seams.first;
+            for (int x = 0; x < across; ++x) {
+                const TaskName task{TaskKind::tile, level, x, y};
+                TileFacts found;
+                if (std::string why = find_tile(plan_, task, found); !why.empty()) return why;
+                tiles.push_back(tile_of(plan_, task));
+                tiles.back().file = tile_file(plan_, task);
+                ends.push_back(found.end);
+                placed.push_back({task, tiles.back().file, found});
+            }
+        }
+    }
+    Json index = report_value(plan_.arguments, *dem_, plan_.frame, tiles, ends);
+    index["input"] = plan_.input;  // on whatever machine this is
+    index["reader"] = plan_.reader;
+    index["plan"] = plan_.identity;
+    Json values = std::move(index["tiles"]);
+    index.erase("tiles");
+    for (std::size_t k = 0; k < tiles.size(); ++k) {
+        values[k]["bytes"] = placed[k].facts.file.bytes;
+        values[k]["sha256"] = placed[k].facts.file.sha256;
+    }
+    index["seams"] = terrain::value_of(all);
+    index["tiles"] = std::move(values);
+    const auto write = [&](const std::string& name, const Json& value) {
+        const std::string text = value.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+        made.emplace_back();
+        return job::write_made(plan_.folder, name, text.data(), text.size(), made.back());
+    };
+    if (plan_.arguments.format == Format::glb) {
+        if (std::string why = write("tiles/tileset.json", tileset_value(plan_, dem_->place, placed)); !why.empty()) return why;
+    } else if (plan_.globe) {
+        if (std::string why = write("tiles/layer.json", layer_value(plan_, placed)); !why.empty()) return why;
+    }
+    if (std::string why = write(index_file, index); !why.empty()) return why;
+    facts = terrain::value_of(all);
+    return {};
+}
+
+std::string Worker::run(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::string& said) {
+    const std::string name = name_of(plan_, task);
+    Json facts;
+    if (job::find_done(plan_.folder, plan_.identity, name, job::Look::bytes, facts).found == job::Found::whole) {
+        said = "done before";
+        return {};
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    const std::clock_t began = std::clock();
+    std::vector<job::Made> made;
+    switch (task.kind) {
+        case TaskKind::tile: {
+            if (std::string why = make_tile(task, parallel_for, made, facts); !why.empty()) return why;
+            const TileEnd end = facts_of(facts).end;
+            char text[64];
+            std::snprintf(text, sizeof text, "off by at most %.6g", end.max_error);
+            said = end.kind == Kind::empty ? "no data, no file" : std::to_string(end.triangles) + " triangles, " + text;
+            break;
+        }
+        case TaskKind::seams: {
+            Seams seams;
+            if (std::string why = find_seams(plan_, task.level, task.y, seams); !why.empty()) return why;
+            facts = terrain::value_of(seams);
+            said = in_words(seams);
+            break;
+        }
+        case TaskKind::index: {
+            if (std::string why = make_index(made, facts); !why.empty()) return why;
+            said = in_words(seams_of(facts));
+            break;
+        }
+    }
+    if (tool::interrupted) return "interrupted; " + name + " is not done";
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // In the receipt alone: no other file says how long anything took.
+    facts["seconds"] = std::round(seconds * 1e6) / 1e6;
+    facts["processor_seconds"] = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
+    return job::write_receipt(plan_.folder, plan_.identity, name, made, facts);
+}
+
+}  // namespace terrain

@@ -1,0 +1,141 @@
+#include "terrain/tile_maker.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+#include "terminal/progress_watch.hpp"
+#include "terminal/words.hpp"
+#include "terrain/meshing.hpp"
+#include "terrain/written/measure.hpp"
+#include "terrain/written/surface.hpp"
+
+namespace terrain {
+namespace {
+
+// Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the share that all
+// tiles have in common, whose borders follow from it, then less where that was not enough.
+constexpr std::array<double, 6> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6};
+
+// How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
+// step of 15 bits, either way with as much again.
+double slack_of(const Arguments& arguments, const Tile& tile) {
+    if (arguments.format != Format::quantized_mesh)
+        return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
+    return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
+}
+
+}  // namespace
+
+std::string find_heights(Dem& dem, HeightRange& heights) {
+    heights = {};
+    bool has_height = false;
+    const int step = std::clamp((1 << 22) / dem.width, 1, dem.height);
+    std::vector<float> samples(static_cast<std::size_t>(dem.width) * static_cast<std::size_t>(step));
+    for (int row = 0; row < dem.height && !tool::interrupted; row += step) {
+        const int rows = std::min(step, dem.height - row);
+        double rounding = 0;
+        if (std::string why = dem.read(0, row, dem.width, rows, samples.data(), rounding); !why.empty()) return why;
+        const std::size_t count = static_cast<std::size_t>(dem.width) * static_cast<std::size_t>(rows);
+        for (std::size_t k = 0; k < count; ++k) {
+            if (std::isnan(samples[k])) continue;
+            const auto height = static_cast<double>(samples[k]);
+            heights.low = has_height ? std::min(heights.low, height) : height;
+            heights.high = has_height ? std::max(heights.high, height) : height;
+            has_height = true;
+        }
+    }
+    return {};
+}
+
+std::string TileMaker::prepare() {
+    if (std::string why = find_frame(arguments_, dem_, frame); !why.empty()) return why;
+    return find_range();
+}
+
+// The heights of the whole file, for tiles that are to say them alike.
+std::string TileMaker::find_range() {
+    if (arguments_.format != Format::quantized_mesh || (arguments_.tile == 0 && !arguments_.heights)) return {};
+    if (arguments_.heights) range = {(*arguments_.heights)[0], (*arguments_.heights)[1]};
+    else if (const std::string why = find_heights(dem_, range); !why.empty())
+        return "cannot read '" + arguments_.input + "': " + why;
+    // Vertices may be above and below all samples, by the bound.
+    const double more = arguments_.max_error.value_or(0.05 * (range.high - range.low));
+    range.low -= more;
+    range.high += more;
+    return {};
+}
+
+std::string TileMaker::read(const Tile& tile, Window& window) {
+    const std::lock_guard<std::mutex> lock(reading_);
+    const std::string why = read_window(dem_, tile, window);
+    return why.empty() ? "" : "cannot read '" + arguments_.input + "': " + why;
+}
+
+// A mesh and its file, proved.
+std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::Progress progress,
+                                 const hmesh::ParallelFor& parallel_for, TileEnd& end, std::vector<unsigned char>& bytes) {
+    const bool is_globe = arguments_.format == Format::quantized_mesh;
+    const double wanted = arguments_.max_error.value_or(0);
+    // Half a step of the 15 bits.
+    const double low = is_globe && !(range.low < range.high) ? window.low - wanted : range.low;
+    const double high = is_globe && !(range.low < range.high) ? window.high + wanted : range.high;
+    const double step = is_globe && arguments_.max_error ? (high - low) / 65534 : 0;
+    if (step > 0 && wanted <= step)
+        return "'" + tile.file + "' cannot keep --max-error " + std::to_string(wanted) +
+               ": the 15 bits of its heights are off by up to " + std::to_string(step);
+    Measured found;
+    for (const double share : shares) {
+        if (tool::interrupted) return "interrupted; '" + tile.file + "' is not written";
+        end.asked = share * (wanted - step);
+        end.is_tighter = share < shares.front();
+        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
+                                                          : mesh_with_vertices(arguments_, window, progress, parallel_for);
+        if (!result.status || !result.has_mesh())
+            return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +
+                   (tool::interrupted ? "; it is not written" : "");
+        end.vertices = result.mesh.vertex_count();
+        end.triangles = result.mesh.face_count();
+        if (const hmesh::Status status = write_model(arguments_, dem_, frame, range, tile, window, result.mesh.view(), bytes);
+            !status)
+            return "cannot make '" + tile.file + "': " + tool::in_words(status);
+        Surface surface;
+        if (std::string why = read_back(arguments_.format, {bytes.data(), bytes.size()}, frame, tile, surface); !why.empty())
+            return "'" + tile.file + "' cannot be read back: " + why;
+        found = measure(surface, window.tile(), slack_of(arguments_, tile));
+        end.max_error = found.max_error + window.rounding;
+        end.sum_of_squares = found.sum_of_squares;
+        end.measured = found.samples;
+        if (!arguments_.max_error) return {};
+        if (end.max_error <= wanted && found.left_out == 0 && found.outside == 0) return {};
+        if (!(wanted > 0)) break;
+    }
+    if (found.left_out > 0 || found.outside > 0)
+        return "'" + tile.file + "' leaves " + std::to_string(found.left_out) + " samples out and covers " +
+               std::to_string(found.outside) + " without data; it is not written";
+    char text[96];
+    std::snprintf(text, sizeof text, "--max-error %.9g: its numbers, as it rounds them, are off by %.9g", wanted, end.max_error);
+    return "'" + tile.file + "' cannot keep " + text;
+}
+
+std::string TileMaker::make(const Tile& tile, hmesh::Progress progress, const hmesh::ParallelFor& parallel_for, TileEnd& end,
+                            std::vector<unsigned char>& bytes) {
+    bytes.clear();
+    end.samples = static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height);
+    Window window;
+    if (std::string why = read(tile, window); !why.empty()) return why;
+    end.no_data = window.no_data;
+    if (!window.has_cell) {
+        if (arguments_.tile == 0) return "'" + arguments_.input + "' has no data in any four samples that are neighbours";
+        end.kind = TileEnd::Kind::empty;
+        return {};
+    }
+    if (!arguments_.max_error && window.no_data > 0)
+        return "'" + arguments_.input + "' has samples without data: --max-error leaves holes, and numbers of vertices do not";
+    if (std::string why = make_file(tile, window, progress, parallel_for, end, bytes); !why.empty()) return why;
+    end.kind = TileEnd::Kind::made;
+    return {};
+}
+
+}  // namespace terrain
