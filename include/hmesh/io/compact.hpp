@@ -25,7 +25,7 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/compiler.hpp"
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/body.hpp"
@@ -37,6 +37,8 @@
 #include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/torus.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -103,15 +105,17 @@ class CompactWriter {
         if (const Status status = find_points(); !status) return status;
         if (const Status status = find_faces(); !status) return status;
         find_colors();
+        if (head_.periodic != Periodic::none)
+            if (const Status status = check_periodic(*mesh_); !status) return status;
         if (options.bare && !is_bare(head_))
             return {Errc::invalid_argument,
                     "a bare compact mesh must have peak 255, 8 bits, sides of 1 to 256 px, whole positions and no holes"};
         return {};
     }
 
-    /// The bytes.
-    [[nodiscard]] std::vector<std::uint8_t> bytes(bool is_bare_wanted) {
-        std::vector<std::uint8_t> out;
+    /// The bytes, which are left as they are where it fails.
+    [[nodiscard]] Status put(bool is_bare_wanted, std::vector<std::uint8_t>& out) {
+        const std::vector<Triangle> wanted = body_.faces;
         if (is_bare_wanted) {
             put_bare_head(out, head_);
         } else {
@@ -122,16 +126,18 @@ class CompactWriter {
             put_head(out, head_);
         }
         ArithmeticCoder coder(out);
-        const Status status = code_body(coder, head_, body_, std::numeric_limits<std::size_t>::max());
-        static_cast<void>(status);  // of what prepare() has found there is none
+        if (const Status status = code_body(coder, head_, body_, std::numeric_limits<std::size_t>::max()); !status) return status;
+        // Points and colours are what they are; the flips were found elsewhere than they were told.
+        HMESH_ASSERT(body_.faces == wanted);
+        if (body_.faces != wanted) return {Errc::invalid_argument, "the flips of a compact file do not lead to the mesh"};
         coder.finish();
-        if (is_bare_wanted) return out;
-        const auto put = [&](std::size_t at, std::uint32_t value) {
+        if (is_bare_wanted) return {};
+        const auto put_at = [&](std::size_t at, std::uint32_t value) {
             for (std::size_t k = 0; k < 4; ++k) out[at + k] = static_cast<std::uint8_t>(value >> (8 * k) & 0xffU);
         };
-        put(6, static_cast<std::uint32_t>(out.size()));
-        put(10, crc32(out.data() + compact_checked, out.size() - compact_checked, crc32(out.data(), 10)));
-        return out;
+        put_at(6, static_cast<std::uint32_t>(out.size()));
+        put_at(10, crc32(out.data() + compact_checked, out.size() - compact_checked, crc32(out.data(), 10)));
+        return {};
     }
 
   private:
@@ -150,6 +156,10 @@ class CompactWriter {
                             static_cast<std::int64_t>(v)};
                 at[k] = static_cast<std::int32_t>(place);
             }
+            if (mesh_->periodic == Periodic::none &&
+                (at[0] < 0 || at[1] < 0 || at[0] > 256 * mesh_->right() || at[1] > 256 * mesh_->bottom()))
+                return {Errc::invalid_argument, "a compact file holds positions inside of the image, not that of vertex",
+                        static_cast<std::int64_t>(v)};
             places_.push_back({at[0], at[1]});
             low = {std::min(low.x, at[0]), std::min(low.y, at[1])};
             high = {std::max(high.x, at[0]), std::max(high.y, at[1])};
@@ -247,7 +257,8 @@ class CompactWriter {
             return {Errc::invalid_argument, "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips",
                     body_.flips.size(), FlipCoder::most_flips(points.size())};
         // Its edges are there, so that each of its faces is, unless something lies in it.
-        const std::vector<Triangle> all = all_faces(whole);
+        body_.faces = all_faces(whole);
+        const std::vector<Triangle>& all = body_.faces;
         std::sort(faces.begin(), faces.end());
         body_.shown.assign(all.size(), false);
         std::size_t found = 0;
@@ -328,7 +339,8 @@ class CompactWriter {
     if (const Status status = code_body(coder, head, body, static_cast<std::size_t>(limits.max_vertices)); !status) return status;
     if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
     out.linear = head.linear;
-    return to_mesh(head, body, out.mesh);
+    if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
+    return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
 }
 
 }  // namespace detail
@@ -346,7 +358,8 @@ inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOption
         if (side > 65536) return {Errc::image_too_large, "a compact file holds images of sides up to 65536 px", side, 65536};
     detail::CompactWriter writer(mesh);
     if (const Status status = writer.prepare(options); !status) return status;
-    const std::vector<std::uint8_t> bytes = writer.bytes(options.bare);
+    std::vector<std::uint8_t> bytes;
+    if (const Status status = writer.put(options.bare, bytes); !status) return status;
     detail::Writer out(sink);
     out.bytes(bytes.data(), bytes.size());
     return out.finish();

@@ -217,8 +217,8 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
         constexpr auto far = static_cast<std::int32_t>(CompactHead::widest);
         if (head.frame_width < 1 || head.frame_height < 1 || head.frame_width > CompactHead::widest ||
             head.frame_height > CompactHead::widest || head.left < -far || head.left > far || head.top < -far || head.top > far ||
-            head.is_image_framed())
-            return refused("the compact file's frame has no size, is too large or is the image's");
+            head.is_image_framed() || head.periodic == Periodic::none)
+            return refused("the compact file's frame has no size, is too large, or is not that of a periodic mesh");
     }
     if (in.has_failed()) return refused("the compact file ends early or is damaged, in its head");
     if (head.step < 1 || head.step > CompactHead::widest)
@@ -227,8 +227,6 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
         return refused("the compact file's colours have a step that they cannot have", head.color_step, head.most_color());
     if (!kit::is_finite(head.peak) || head.peak <= 0 || ((first & 128U) != 0 && head.peak == head.usual_peak()))
         return refused("the compact file's peak must be positive, finite and not the usual one");
-    if (head.premultiplied && head.channels % 2 != 0)
-        return refused("the compact file's colours are premultiplied and have no alpha", head.channels);
     return {};
 }
 
@@ -238,7 +236,7 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
 [[nodiscard]] inline bool is_bare(const CompactHead& head) noexcept {
     return head.colors == CompactColors::bits8 && head.peak == 255 && !head.is_masked && head.periodic == Periodic::none &&
            head.samples == Samples::squares && head.width <= 256 && head.height <= 256 && head.step % 256 == 0 &&
-           head.color_step <= 256 && head.is_image_framed();
+           head.is_image_framed();
 }
 /// Puts the head of the bare profile. The lattice has a step of 1 px.
 inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
@@ -262,9 +260,7 @@ inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& hea
     head.peak = 255;
     head.frame_image();
     if (in.has_failed()) return {Errc::invalid_argument, "the bare compact mesh ends in its head"};
-    if (head.color_step > 255) return {Errc::invalid_argument, "the bare compact mesh has a step of colours above", head.color_step, 255};
-    if (head.premultiplied && head.channels % 2 != 0)
-        return {Errc::invalid_argument, "the bare compact mesh is premultiplied and has no alpha", head.channels};
+    if (head.color_step > 255) return {Errc::invalid_argument, "the bare compact mesh has too large a step of colours", head.color_step, 255};
     return {};
 }
 

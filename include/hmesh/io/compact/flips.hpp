@@ -7,8 +7,8 @@
 /// round in which it is possible, and where there is none nothing is said but that: a Delaunay triangulation costs next to nothing.
 /// A round without a flip is the last. Whatever the bits, what results is a triangulation of all points.
 ///
-/// What tells a flip is how far the edge is from turning by itself (the two angles across it, against half a turn), the shapes
-/// before and after, the lengths of both diagonals, and whether there were flips beside it.
+/// What tells a flip are the two angles across the edge, how much they are less than half a turn together, as they are at an edge
+/// of Delaunay's, the two angles that would be across the new one, and the flips beside it.
 #ifndef HMESH_IO_COMPACT_FLIPS_HPP
 #define HMESH_IO_COMPACT_FLIPS_HPP
 
@@ -41,10 +41,9 @@ class Rounds {
     explicit Rounds(const Triangulation& mesh) : made_(mesh.edge_slots(), 0) {}
     /// The round of the triangle to the left of e.
     [[nodiscard]] std::uint32_t operator[](Triangulation::Index e) const noexcept { return made_[e]; }
-    /// Notes that a round has flipped e.
-    void flipped(const Triangulation& mesh, Triangulation::Index e, std::uint32_t round) noexcept {
-        for (Triangulation::Index side : {e, Triangulation::opposite(e)})
-            for (int k = 0; k < 3; ++k, side = mesh.previous(Triangulation::opposite(side))) made_[side] = round;
+    /// Notes that a round has made the triangle to the left of e.
+    void set(const Triangulation& mesh, Triangulation::Index e, std::uint32_t round) noexcept {
+        for (int k = 0; k < 3; ++k, e = mesh.previous(Triangulation::opposite(e))) made_[e] = round;
     }
 
   private:
@@ -58,8 +57,7 @@ class FlipCoder {
 
     /// With the coder that it writes to or reads from, which outlives it, as the tables do.
     FlipCoder(ArithmeticCoder& coder, const Logistic& logistic)
-        : coder_(&coder), mixer_(logistic, 3 * 16, 18000), slack_(3 * 64 * 3), angles_(3 * 256), shapes_(3 * 16 * 64),
-          lengths_(3 * 32 * 16), near_(3 * 32 * 32) {}
+        : coder_(&coder), mixer_(logistic, 3 * 16, 26000), angles_(3 * 256), shapes_(3 * 16 * 256), near_(3 * 3 * 32 * 32) {}
 
     /// The most flips of a triangulation of n points: what needs more is not coded, and not read.
     [[nodiscard]] static std::size_t most_flips(std::size_t n) noexcept { return 64 * n; }
@@ -84,7 +82,8 @@ class FlipCoder {
                 // From the lesser of the edge's ends, so that the order does not depend on how edges are kept.
                 if (q.b < q.a) q = {q.b, q.a, q.d, q.c};
                 mesh.flip(e);
-                rounds.flipped(mesh, e, round);
+                rounds.set(mesh, e, round);
+                rounds.set(mesh, Triangulation::opposite(e), round);
                 for (const Index h : sides_of(mesh, e, q))
                     if (listed[h / 2] != round) {
                         listed[h / 2] = round;
@@ -138,35 +137,17 @@ class FlipCoder {
         for (const Index side :
              {mesh.next(e), mesh.next(o), Triangulation::opposite(mesh.previous(e)), Triangulation::opposite(mesh.previous(o))})
             near += rounds[side] == 0 ? 0 : rounds[side] == round ? 6 : 1;
-        // The least angles of both triangles, before and after.
-        const auto least = [&](GridPoint p, GridPoint r, GridPoint s) {
-            return std::min(std::min(angle64(p, r, s), angle64(r, s, p)), angle64(s, p, r));
-        };
-        const int before = std::min(least(a, b, c), least(b, a, d)), after = std::min(least(a, d, c), least(d, b, c));
-        const auto shape = [](int angle) { return static_cast<std::size_t>(angle < 4 ? angle : std::min(7, 3 + angle / 4)); };
-        const std::int64_t own = scalar_product(a, b, b), other = scalar_product(c, d, d);
-        const int ratio = digits_of_ratio(own, other);
-        const auto wide = slack / 2;
-        const std::size_t low = static_cast<std::size_t>(std::min(at_c, at_d)) / 4, high = static_cast<std::size_t>(std::max(at_c, at_d)) / 4;
+        const int at_a = angle64(a, d, c), at_b = angle64(b, c, d);
+        const auto place = [](int low, int high) { return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4); };
         return mixer_.code(*coder_, value,
-                           {&slack_[(phase * 64 + slack) * 3 + fresh], &angles_[phase * 256 + low * 16 + high],
-                            &shapes_[(phase * 16 + slack / 4) * 64 + shape(before) * 8 + shape(after)],
-                            &lengths_[(phase * 32 + wide) * 16 + static_cast<std::size_t>(ratio)],
-                            &near_[(phase * 32 + wide) * 32 + near]},
+                           {&angles_[phase * 256 + place(at_c, at_d)], &shapes_[(phase * 16 + slack / 4) * 256 + place(at_a, at_b)],
+                            &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + near]},
                            phase * 16 + slack / 4);
-    }
-    // How many times half as long again, squared, the one length is as the other: 0 to 15, 8 where they are equal.
-    [[nodiscard]] static int digits_of_ratio(std::int64_t own, std::int64_t other) noexcept {
-        int k = 8;
-        for (; k < 15 && own >= 2 * other; ++k) other *= 2;
-        if (k == 8)
-            for (; k > 0 && other >= 2 * own; --k) own *= 2;
-        return k;
     }
 
     ArithmeticCoder* coder_;
-    Mixer<5> mixer_;
-    std::vector<AdaptiveBit> slack_, angles_, shapes_, lengths_, near_;
+    Mixer<3> mixer_;
+    std::vector<AdaptiveBit> angles_, shapes_, near_;
 };
 
 /// The flips that lead from the Delaunay triangulation of points to one that has these edges, found by inserting one after the
@@ -178,7 +159,7 @@ class FlipFinder {
     using Index = Triangulation::Index;
 
     /// Of a Delaunay triangulation that is without a flip yet, and outlives this.
-    explicit FlipFinder(Triangulation& mesh) : mesh_(&mesh), rounds_(mesh), last_(mesh.edge_slots() / 2, 0) {}
+    explicit FlipFinder(Triangulation& mesh) : mesh_(&mesh), rounds_(mesh), last_(mesh.edge_slots() / 2, no_flip) {}
 
     /// Inserts edges, in their order.
     bool insert(const std::vector<std::array<Index, 2>>& edges) {
@@ -195,7 +176,7 @@ class FlipFinder {
                 else still.push_back(edge);
             }
             missing.swap(still);
-            if (flips_.size() > most()) return false;
+            if (count_ > most()) return false;
         }
         for (const auto& edge : missing)
             if (!insert(edge)) return false;
@@ -204,7 +185,9 @@ class FlipFinder {
 
     /// The flips made, sorted.
     [[nodiscard]] std::vector<Flip> flips() const {
-        std::vector<Flip> sorted = flips_;
+        std::vector<Flip> sorted;
+        for (const Made& made : made_)
+            if (!made.is_undone) sorted.push_back(made.flip);
         std::sort(sorted.begin(), sorted.end(),
                   [](const Flip& a, const Flip& b) { return a.edge != b.edge ? a.edge < b.edge : a.round < b.round; });
         return sorted;
@@ -213,16 +196,38 @@ class FlipFinder {
   private:
     [[nodiscard]] std::size_t most() const noexcept { return FlipCoder::most_flips(mesh_->point_count()); }
 
+    // A flip that was made, and what it changed.
+    struct Made {
+        Flip flip;
+        std::uint32_t left, right;  // rounds of the triangles before
+        std::size_t before;         // the flip of this edge before it, or no_flip
+        bool is_undone;
+    };
+    static constexpr std::size_t no_flip = static_cast<std::size_t>(-1);
+
     void flip(Index e) {
-        const std::uint32_t round = 1 + std::max(rounds_[e], rounds_[Triangulation::opposite(e)]);
+        const Index o = Triangulation::opposite(e);
+        std::size_t& last = last_[e / 2];
+        if (last != no_flip && rounds_[e] == made_[last].flip.round && rounds_[o] == made_[last].flip.round) {
+            // Both triangles are what its last flip has made: this one undoes it, which cannot be told and need not be.
+            const Made made = made_[last];
+            mesh_->flip(e);
+            // Two flips turn an edge round.
+            const bool is_first = (e & 1U) == 0;
+            rounds_.set(*mesh_, e, is_first ? made.right : made.left);
+            rounds_.set(*mesh_, o, is_first ? made.left : made.right);
+            made_[last].is_undone = true;
+            last = made.before;
+            --count_;
+            return;
+        }
+        const std::uint32_t round = 1 + std::max(rounds_[e], rounds_[o]);
+        made_.push_back({{e & ~Index{1}, round}, rounds_[e & ~Index{1}], rounds_[e | 1U], last, false});
+        last = made_.size() - 1;
+        ++count_;
         mesh_->flip(e);
-        rounds_.flipped(*mesh_, e, round);
-        last_[e / 2] = round;
-        flips_.push_back({e & ~Index{1}, round});
-    }
-    // Whether both triangles beside an edge are what its own flip has made: another would undo it, and cannot be told.
-    [[nodiscard]] bool is_fresh(Index e) const noexcept {
-        return last_[e / 2] != 0 && rounds_[e] == last_[e / 2] && rounds_[Triangulation::opposite(e)] == last_[e / 2];
+        rounds_.set(*mesh_, e, round);
+        rounds_.set(*mesh_, o, round);
     }
     [[nodiscard]] std::int64_t side(std::array<Index, 2> edge, Index v) const noexcept {
         return orientation(mesh_->point(edge[0]), mesh_->point(edge[1]), mesh_->point(v));
@@ -259,13 +264,11 @@ class FlipFinder {
     bool insert(std::array<Index, 2> edge) {
         if (!find_crossed(edge, mesh_->edge_slots())) return false;
         // Where an edge cannot be flipped for now another comes first: one that can there is always.
-        std::size_t failures = 0;
+        const std::size_t most_tries = 64 * crossed_.size() * crossed_.size() + 64;
         for (std::size_t k = 0; k < crossed_.size(); ++k) {
             const Index e = crossed_[k];
-            if (flips_.size() > most() || failures > crossed_.size() - k) return false;
-            const bool can_flip = !is_fresh(e) && mesh_->is_convex(mesh_->around(e));
-            failures = can_flip ? 0 : failures + 1;
-            if (can_flip) flip(e);
+            if (count_ > most() || k > most_tries) return false;
+            if (mesh_->is_convex(mesh_->around(e))) flip(e);
             if (does_cross(edge, e)) crossed_.push_back(e);
         }
         return mesh_->find(edge[0], edge[1]) != Triangulation::none;
@@ -273,9 +276,10 @@ class FlipFinder {
 
     Triangulation* mesh_;
     Rounds rounds_;
-    std::vector<std::uint32_t> last_;  // round of the last flip of each edge, 0: none
+    std::vector<Made> made_;
+    std::vector<std::size_t> last_;  // the last flip of each edge in made_, or no_flip
+    std::size_t count_ = 0;          // flips that were not undone
     std::vector<Index> crossed_;
-    std::vector<Flip> flips_;
 };
 
 }  // namespace hmesh::detail

@@ -32,7 +32,7 @@ class AdaptiveBit {
     void learn(bool bit) noexcept {
         const std::uint32_t seen = state_ & 1023U;
         const auto p = static_cast<std::int32_t>(state_ >> 10);
-        const std::int32_t way = ((bit ? 4194303 : 0) - p) / 8 * (16384 / static_cast<std::int32_t>(2 * seen + 3)) / 1024;
+        const std::int32_t way = ((bit ? 4194303 : 0) - p) / 8 * shares[seen] / 1024;
         state_ = static_cast<std::uint32_t>(p + way) << 10 | (seen < most_seen ? seen + 1 : seen);
     }
     /// Codes a bit by this context alone.
@@ -44,6 +44,12 @@ class AdaptiveBit {
 
   private:
     static constexpr std::uint32_t most_seen = 160;
+    // 16384 / (2 n + 3), rounded down.
+    static constexpr auto shares = [] {
+        std::array<std::int32_t, most_seen + 1> table{};
+        for (std::size_t n = 0; n < table.size(); ++n) table[n] = static_cast<std::int32_t>(16384 / (2 * n + 3));
+        return table;
+    }();
     std::uint32_t state_ = std::uint32_t{1} << 31;
 };
 

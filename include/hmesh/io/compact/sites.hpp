@@ -177,7 +177,7 @@ class SiteCoder {
         const auto step = [](std::uint64_t way, std::uint64_t digits, bool is_up, std::uint64_t& there) {
             const std::uint64_t own = way & digits;
             if (is_up ? own == digits : own == 0) return false;
-            there = (is_up ? ((way | ~digits) + 1) & digits : (own - 1) & digits) | (way & ~digits);
+            there = ((is_up ? (way | ~digits) + 1 : own - 1) & digits) | (way & ~digits);
             return true;
         };
         const auto deeper = static_cast<std::size_t>(std::min(halving.levels() - level, 31));
@@ -209,7 +209,7 @@ class SiteCoder {
                 }
                 if (step(cell, across, true, there)) beyond = counts_[there];
                 const std::size_t neighbors = upto3(near) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
-                const std::size_t wide = upto7(before) << 5 | upto7(after) << 2 | std::min<std::size_t>(deeper, 4) - 1;
+                const std::size_t wide = upto7(before) << 5 | upto7(after) << 2 | (std::min<std::size_t>(deeper, 4) - 1);
                 const std::size_t others = upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 |
                                            upto3((far + 1) / 2);
                 first = tell(may, n, count_first(halving, level, at, n), [&](std::size_t kind, bool bit) {
