@@ -102,7 +102,8 @@ struct MeshKind {
             vertices[v].second = v;
             for (std::size_t k = 0; k < 2; ++k) vertices[v].first.push_back(mesh.positions[2 * v + k]);
             for (int c = 0; c < mesh.channels; ++c)
-                vertices[v].first.push_back(mesh.colors[static_cast<std::size_t>(mesh.channels) * v + static_cast<std::size_t>(c)]);
+                vertices[v].first.push_back(
+                    mesh.colors[static_cast<std::size_t>(mesh.channels) * v + static_cast<std::size_t>(c)]);
         }
         std::sort(vertices.begin(), vertices.end());
         std::vector<std::uint32_t> number(vertices.size());

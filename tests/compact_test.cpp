@@ -40,8 +40,8 @@ using hmesh_test::random_mesh;
 namespace {
 
 Bytes compact(const Mesh& mesh, const CompactOptions& options = {}) {
-    return hmesh_test::exported(mesh.view(),
-                                [&](const hmesh::MeshView& view, hmesh::Sink sink) { return write_compact(view, sink, options); });
+    return hmesh_test::exported(
+        mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return write_compact(view, sink, options); });
 }
 CompactMesh read(const Bytes& bytes) { return hmesh::read_compact(bytes.data(), bytes.size()); }
 CompactMesh read_bare(const Bytes& bytes) { return hmesh::read_bare_compact(bytes.data(), bytes.size()); }
@@ -93,16 +93,16 @@ std::vector<MeshKind> kinds() {
     all[2] = {1, 1, 256, 4, 0, 4, 4, 0};
     all[3] = {65536, 1, 1, 25, 0, 40, 3, 0};
     all[4] = {65536, 65536, 1, 25, 0, 40, 2, 0};
-    all[5] = {100, 70, 1, 120, 0, 400, 3, 0};        // far from Delaunay
-    all[6] = {100, 70, 256, 120, 0, 100, 3, 0};      // many on a circle
-    all[7] = {8, 8, 256, 400, 0, 200, 3, 0};         // all sites
-    all[8] = {100, 70, 1, 60, 1, 0, 3, 0};           // on two sides
-    all[9] = {100, 2, 1, 80, 2, 300, 3, 0};          // on three lines
-    all[10] = {200, 150, 16, 60, 0, 100, 4, 0.2};    // holes
-    all[11] = {200, 150, 1, 60, 0, 100, 4, 0.95};    // pieces that touch in a point, or not
+    all[5] = {100, 70, 1, 120, 0, 400, 3, 0};      // far from Delaunay
+    all[6] = {100, 70, 256, 120, 0, 100, 3, 0};    // many on a circle
+    all[7] = {8, 8, 256, 400, 0, 200, 3, 0};       // all sites
+    all[8] = {100, 70, 1, 60, 1, 0, 3, 0};         // on two sides
+    all[9] = {100, 2, 1, 80, 2, 300, 3, 0};        // on three lines
+    all[10] = {200, 150, 16, 60, 0, 100, 4, 0.2};  // holes
+    all[11] = {200, 150, 1, 60, 0, 100, 4, 0.95};  // pieces that touch in a point, or not
     all[12] = {3, 65536, 4, 30, 0, 80, 1, 0.3};
-    all[13] = {16, 16, 1, 0, 0, 0, 3, 0};            // two faces
-    all[14] = {16, 16, 1, 0, 0, 9, 3, 1};            // none
+    all[13] = {16, 16, 1, 0, 0, 0, 3, 0};  // two faces
+    all[14] = {16, 16, 1, 0, 0, 9, 3, 1};  // none
     all[15] = {300, 200, 1, 500, 0, 700, 3, 0};
     return all;
 }
@@ -208,15 +208,15 @@ TEST_CASE("what a compact file cannot hold is refused before a byte is written")
         return refusal(mesh).code == Errc::invalid_argument;
     };
     CHECK(compact(good).size() > 14);
-    CHECK(refused([](Mesh& m) { m.positions[2] = 2.999F; }));                                   // off the grid
-    CHECK(refused([](Mesh& m) { m.positions[2] = 4; }));                                        // outside of the image
-    CHECK(refused([](Mesh& m) { std::swap(m.faces[0][0], m.faces[0][1]); }));                   // turned over
-    CHECK(refused([](Mesh& m) { m.faces[1] = {0, 1, 3}; }));                                    // overlapping
-    CHECK(refused([](Mesh& m) { m.faces.push_back(m.faces[0]); }));                             // twice
-    CHECK(refused([](Mesh& m) { m.faces.pop_back(); }));                                        // a vertex without a face
-    CHECK(refused([](Mesh& m) { m.positions = {0, 0, 3, 0, 3, 2, 0, 0}; }));                    // two at a place
-    CHECK(refused([](Mesh& m) { m.faces[0] = {0, 1, 1}; }));                                    // without an area
-    CHECK(refused([](Mesh& m) {                                                                 // a vertex on a side of a face
+    CHECK(refused([](Mesh& m) { m.positions[2] = 2.999F; }));                  // off the grid
+    CHECK(refused([](Mesh& m) { m.positions[2] = 4; }));                       // outside of the image
+    CHECK(refused([](Mesh& m) { std::swap(m.faces[0][0], m.faces[0][1]); }));  // turned over
+    CHECK(refused([](Mesh& m) { m.faces[1] = {0, 1, 3}; }));                   // overlapping
+    CHECK(refused([](Mesh& m) { m.faces.push_back(m.faces[0]); }));            // twice
+    CHECK(refused([](Mesh& m) { m.faces.pop_back(); }));                       // a vertex without a face
+    CHECK(refused([](Mesh& m) { m.positions = {0, 0, 3, 0, 3, 2, 0, 0}; }));   // two at a place
+    CHECK(refused([](Mesh& m) { m.faces[0] = {0, 1, 1}; }));                   // without an area
+    CHECK(refused([](Mesh& m) {                                                // a vertex on a side of a face
         m.positions.insert(m.positions.end(), {1.5F, 1, 1, 2});
         m.colors.resize(18, 5);
         m.faces = {{0, 1, 2}, {0, 4, 3}, {4, 5, 3}};
@@ -268,8 +268,8 @@ TEST_CASE("the bare profile has a head of four bytes and comes back") {
     }
     CompactOptions bare;
     bare.bare = true;
-    CHECK(refusal(random_mesh({96, 64, 128, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);   // half px
-    CHECK(refusal(random_mesh({257, 64, 256, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);  // too wide
+    CHECK(refusal(random_mesh({96, 64, 128, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);    // half px
+    CHECK(refusal(random_mesh({257, 64, 256, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);   // too wide
     CHECK(refusal(random_mesh({96, 64, 256, 40, 0, 60, 3, 0.5}, 8), bare).code == Errc::invalid_argument);  // holes
 }
 
@@ -361,13 +361,13 @@ TEST_CASE("heads that this version does not write are refused") {
         return read(changed).status;
     };
     CHECK(status(14, whole[14]));
-    CHECK(!status(4, 2));                                                     // another version
-    CHECK(!status(5, 1));                                                     // what is reserved
-    CHECK(!status(14, static_cast<unsigned char>(whole[14] | 12U)));          // a kind of colours
+    CHECK(!status(4, 2));                                             // another version
+    CHECK(!status(5, 1));                                             // what is reserved
+    CHECK(!status(14, static_cast<unsigned char>(whole[14] | 12U)));  // a kind of colours
     for (unsigned bit = 3; bit < 8; ++bit) CHECK(!status(15, static_cast<unsigned char>(whole[15] | 1U << bit)));
-    CHECK(!status(16, 0));                                                    // a width
-    CHECK(!status(18, 0));                                                    // a step
-    CHECK(!status(19, 0));                                                    // a step of colours
+    CHECK(!status(16, 0));  // a width
+    CHECK(!status(18, 0));  // a step
+    CHECK(!status(19, 0));  // a step of colours
 }
 
 TEST_CASE("compact files and what is read of them are those of yesterday") {
@@ -384,7 +384,9 @@ TEST_CASE("compact files and what is read of them are those of yesterday") {
         CompactOptions options;
         options.bare = std::string(name) == "bare";
         const Bytes written = compact(random_mesh(kind, ++seed), options);
-        if (renews) std::ofstream(path + ".hmc", std::ios::binary).write(reinterpret_cast<const char*>(written.data()), static_cast<std::streamsize>(written.size()));
+        if (renews)
+            std::ofstream(path + ".hmc", std::ios::binary)
+                .write(reinterpret_cast<const char*>(written.data()), static_cast<std::streamsize>(written.size()));
         std::ifstream file(path + ".hmc", std::ios::binary);
         const Bytes held{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
         CHECK(written == held);

@@ -2,15 +2,16 @@
 /// write_compact() and read_compact(): a mesh in a file that is smaller than any other of it, and back.
 ///
 /// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
-/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes every
-/// bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which depends
-/// on the mesh alone and not on how it was kept; written again it gives the same bytes.
+/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
+/// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
+/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
 ///
 /// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
 /// images and of points. Colours are integers of 8 or 16 bits, or the very floats.
 ///
-/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number of
-/// vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a vertex.
+/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number
+/// of vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a
+/// vertex.
 #ifndef HMESH_IO_COMPACT_HPP
 #define HMESH_IO_COMPACT_HPP
 
@@ -46,26 +47,28 @@ namespace hmesh {
 
 /// Options of write_compact().
 struct CompactOptions {
-    /// How colours are held. A mesh whose colours are whole 255ths or 65535ths of its peak comes back as it was from integers too.
+    /// How colours are held. A mesh whose colours are whole 255ths or 65535ths of its peak comes back as it was from integers
+    /// too.
     CompactColors colors = CompactColors::bits8;
     /// Whether colours are for renderers that interpolate linear light, as fit_linear_light() makes them. The file keeps it.
     bool linear = false;
-    /// Whether to write the bare profile: a head of 4 bytes and no checksum, for what is told its size by others, as data in a page
-    /// is. Of meshes with peak 255, colours of 8 bits, sides of 256 px at most and positions of whole px.
+    /// Whether to write the bare profile: a head of 4 bytes and no checksum, for what is told its size by others, as data in a
+    /// page is. Of meshes with peak 255, colours of 8 bits, sides of 256 px at most and positions of whole px.
     bool bare = false;
 };
 
 /// What read_compact() takes at most; what is more is refused before there is memory for it.
 struct CompactLimits {
-    std::int64_t max_vertices = 4194304;          ///< vertices, in [4, 2^24]; the corners of the frame among them
+    std::int64_t max_vertices = 4194304;              ///< vertices, in [4, 2^24]; the corners of the frame among them
     std::int64_t max_pixels = std::int64_t{1} << 32;  ///< width times height of the image, px
 };
 
 /// What read_compact() returns.
 struct [[nodiscard]] CompactMesh {
-    Mesh mesh;            ///< the mesh, or an empty one
-    bool linear = false;  ///< whether its colours are for renderers that interpolate linear light
-    Status status;        ///< ok, or why there is none
+    Mesh mesh;                                    ///< the mesh, or an empty one
+    bool linear = false;                          ///< whether its colours are for renderers that interpolate linear light
+    CompactColors colors = CompactColors::bits8;  ///< how the file holds its colours
+    Status status;                                ///< ok, or why there is none
 };
 
 namespace detail {
@@ -152,7 +155,8 @@ class CompactWriter {
             for (std::size_t k = 0; k < 2; ++k) {
                 const double place = 256 * static_cast<double>(mesh_->positions[2 * v + k]);
                 if (place != std::floor(place) || std::abs(place) > 16777216)
-                    return {Errc::invalid_argument, "a compact file holds positions of whole 1/256 px up to 65536 px, not that of vertex",
+                    return {Errc::invalid_argument,
+                            "a compact file holds positions of whole 1/256 px up to 65536 px, not that of vertex",
                             static_cast<std::int64_t>(v)};
                 at[k] = static_cast<std::int32_t>(place);
             }
@@ -175,8 +179,10 @@ class CompactWriter {
     void find_lattice(bool is_bare_wanted) noexcept {
         std::uint32_t step = 0;
         for (const GridPoint place : places_) {
-            if (place.x != static_cast<std::int32_t>(head_.frame_width)) step = std::gcd(step, static_cast<std::uint32_t>(place.x));
-            if (place.y != static_cast<std::int32_t>(head_.frame_height)) step = std::gcd(step, static_cast<std::uint32_t>(place.y));
+            if (place.x != static_cast<std::int32_t>(head_.frame_width))
+                step = std::gcd(step, static_cast<std::uint32_t>(place.x));
+            if (place.y != static_cast<std::int32_t>(head_.frame_height))
+                step = std::gcd(step, static_cast<std::uint32_t>(place.y));
         }
         if (step == 0) step = std::max(head_.frame_width, head_.frame_height);
         head_.step = is_bare_wanted && step % 256 == 0 ? 256 : step;
@@ -213,10 +219,12 @@ class CompactWriter {
                 const auto& [way, v] = parts[part][k];
                 has_twins = has_twins || (k > 0 && parts[part][k - 1][0] == way);
                 point_of_[v] = next++;
-                body_.sites[part].push_back(part == 4 ? inside.first(way, inside.levels()) : Site{static_cast<std::uint32_t>(way), 0});
+                body_.sites[part].push_back(part == 4 ? inside.first(way, inside.levels())
+                                                      : Site{static_cast<std::uint32_t>(way), 0});
             }
         }
-        if (has_twins) return {Errc::invalid_argument, "a compact file holds one vertex at a place, and the mesh has two somewhere"};
+        if (has_twins)
+            return {Errc::invalid_argument, "a compact file holds one vertex at a place, and the mesh has two somewhere"};
         if (next > CompactHead::widest / 2)
             return {Errc::invalid_argument, "a compact file holds at most 2^24 vertices", next, CompactHead::widest / 2};
         is_vertex_.assign(next, false);
@@ -254,8 +262,9 @@ class CompactWriter {
         if (!finder.insert(edges)) return overlap;
         body_.flips = finder.flips();
         if (body_.flips.size() > FlipCoder::most_flips(points.size()))
-            return {Errc::invalid_argument, "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips",
-                    body_.flips.size(), FlipCoder::most_flips(points.size())};
+            return {Errc::invalid_argument,
+                    "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips", body_.flips.size(),
+                    FlipCoder::most_flips(points.size())};
         // Its edges are there, so that each of its faces is, unless something lies in it.
         body_.faces = all_faces(whole);
         const std::vector<Triangle>& all = body_.faces;
@@ -310,7 +319,8 @@ class CompactWriter {
             if (head.colors == CompactColors::floats) value = float_of_ordered(number);
             else
                 value = static_cast<float>(std::min(number * head.color_step, head.most_color()) * head.peak / head.most_color());
-            if (!kit::is_finite(value)) return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
+            if (!kit::is_finite(value))
+                return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
             mesh.colors.push_back(value);
         }
     }
@@ -339,6 +349,7 @@ class CompactWriter {
     if (const Status status = code_body(coder, head, body, static_cast<std::size_t>(limits.max_vertices)); !status) return status;
     if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
     out.linear = head.linear;
+    out.colors = head.colors;
     if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
     return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
 }
@@ -346,11 +357,12 @@ class CompactWriter {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as a compact file. A mesh that has no size, numbers that are not finite, positions off the
-/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise than
-/// edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise
+/// than edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOptions& options = {}) {
     constexpr std::uint64_t most = detail::CompactHead::widest / 2;
-    if (const Status status = detail::check_counts(mesh, most, 2 * most, "the mesh has more vertices or faces than a compact file holds");
+    if (const Status status =
+            detail::check_counts(mesh, most, 2 * most, "the mesh has more vertices or faces than a compact file holds");
         !status)
         return status;
     if (const Status status = detail::check_for_export(mesh, 4); !status) return status;
@@ -368,14 +380,15 @@ inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOption
 namespace detail {
 
 [[nodiscard]] inline Status check(const CompactLimits& limits) noexcept {
-    return kit::check_ranges({{"limits.max_vertices must be in [4, 2^24]", static_cast<double>(limits.max_vertices), 4, 16777216},
-                              {"limits.max_pixels must be in [1, 2^32]", static_cast<double>(limits.max_pixels), 1, 4294967296.0}});
+    return kit::check_ranges(
+        {{"limits.max_vertices must be in [4, 2^24]", static_cast<double>(limits.max_vertices), 4, 16777216},
+         {"limits.max_pixels must be in [1, 2^32]", static_cast<double>(limits.max_pixels), 1, 4294967296.0}});
 }
 
 }  // namespace detail
 
-/// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status that
-/// says so, and an empty mesh.
+/// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status
+/// that says so, and an empty mesh.
 inline CompactMesh read_compact(const void* bytes, std::size_t size, const CompactLimits& limits = {}) {
     CompactMesh out;
     out.status = detail::check(limits);

@@ -2,8 +2,8 @@
 /// ArithmeticCoder: bits of any probability as bytes, and back.
 ///
 /// An interval of 32-bit numbers is divided at each bit as its probability says, and gives off its first byte where both ends
-/// agree in it (after M. Mahoney, "Adaptive weighing of context models for lossless data compression", 2005). One class writes and
-/// reads, so that what is modelled around it is written down once and the two cannot differ. About 5 ns a bit.
+/// agree in it (after M. Mahoney, "Adaptive weighing of context models for lossless data compression", 2005). One class writes
+/// and reads, so that what is modelled around it is written down once and the two cannot differ. About 5 ns a bit.
 #ifndef HMESH_IO_COMPACT_ARITHMETIC_CODER_HPP
 #define HMESH_IO_COMPACT_ARITHMETIC_CODER_HPP
 
@@ -21,8 +21,7 @@ class ArithmeticCoder {
     /// One that writes, to a vector that outlives it.
     explicit ArithmeticCoder(std::vector<std::uint8_t>& out) noexcept : out_(&out) {}
     /// One that reads `size` bytes, which outlive it.
-    ArithmeticCoder(const std::uint8_t* bytes, std::size_t size) noexcept
-        : begin_(bytes), next_(bytes), end_(bytes + size) {
+    ArithmeticCoder(const std::uint8_t* bytes, std::size_t size) noexcept : begin_(bytes), next_(bytes), end_(bytes + size) {
         for (int k = 0; k < 4; ++k) code_ = code_ << 8 | take();
     }
 
@@ -32,7 +31,9 @@ class ArithmeticCoder {
     [[nodiscard]] bool is_exhausted() const noexcept { return missing_ > 4; }
 
     /// The bytes written, or read so far.
-    [[nodiscard]] std::size_t position() const noexcept { return writes() ? out_->size() : static_cast<std::size_t>(next_ - begin_); }
+    [[nodiscard]] std::size_t position() const noexcept {
+        return writes() ? out_->size() : static_cast<std::size_t>(next_ - begin_);
+    }
 
     /// Codes a bit that is 1 with probability p / 65536, p in [1, 65535]. Returns it, which is `value` where it writes.
     bool bit(bool value, std::uint32_t p) {

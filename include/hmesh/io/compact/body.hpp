@@ -87,7 +87,8 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
 
 /// Writes or reads a body. Where it is read, more points than `most_points` are refused before there is memory for them; what
 /// passes are the faces of a triangulation and colours that there are.
-[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points) {
+[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body,
+                                      std::size_t most_points) {
     const Status early(Errc::invalid_argument, "the compact mesh ends early or is damaged");
     const auto lattice = lattice_of(head);
     std::array<std::uint32_t, 5> counts{};
@@ -95,11 +96,10 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     code_counts(coder, counts);
     std::uint64_t total = 4;
     for (std::size_t k = 0; k < 5; ++k) {
-        const std::uint64_t room =
-            k < 4 ? lattice[k % 2] - 1 : std::uint64_t{lattice[0] - 1} * std::uint64_t{lattice[1] - 1};
+        const std::uint64_t room = k < 4 ? lattice[k % 2] - 1 : std::uint64_t{lattice[0] - 1} * std::uint64_t{lattice[1] - 1};
         if (counts[k] > room)
-            return {Errc::invalid_argument, "the compact mesh has more vertices than its lattice has sites, or is damaged", counts[k],
-                    room};
+            return {Errc::invalid_argument, "the compact mesh has more vertices than its lattice has sites, or is damaged",
+                    counts[k], room};
         total += counts[k];
     }
     if (total > most_points)

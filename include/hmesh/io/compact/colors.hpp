@@ -2,9 +2,9 @@
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
 ///
 /// Vertices come in the order of their points; each is foretold by its neighbours that came before, the nearer the more, and told
-/// by its difference to that. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a color
-/// space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by how much
-/// the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
+/// by its difference to that. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a
+/// color space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by
+/// how much the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
 #ifndef HMESH_IO_COMPACT_COLORS_HPP
@@ -44,7 +44,8 @@ class ColorCoder {
     /// With the coder that it writes to or reads from, which outlives it, as the tables do. Numbers are 0 to `most` < 2^32.
     ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most)
         : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(4 * 20 * steps),
-          misses_(4 * 20 * steps), others_(4 * 20 * steps), place_(4 * 20 * 8 * steps), signs_(4 * 9 * 3), digits_(4 * steps * 8) {}
+          misses_(4 * 20 * steps), others_(4 * 20 * steps), place_(4 * 20 * 8 * steps), signs_(4 * 9 * 3),
+          digits_(4 * steps * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
@@ -158,11 +159,11 @@ class ColorCoder {
         const std::size_t other = std::min<std::size_t>(before[0], 9) + 10 * (before[1] > before[0] ? 1 : 0);
         for (; size < largest; ++size) {
             const std::size_t at = channel * 20 * steps + size;
-            const bool is_larger = sizes_.code(*coder_, wanted > size,
-                                               {&spread_[at + spread_level * steps], &misses_[at + missed_level * steps],
-                                                &others_[at + other * steps],
-                                                &place_[channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps + size]},
-                                               channel * steps + size);
+            const bool is_larger = sizes_.code(
+                *coder_, wanted > size,
+                {&spread_[at + spread_level * steps], &misses_[at + missed_level * steps], &others_[at + other * steps],
+                 &place_[channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps + size]},
+                channel * steps + size);
             if (!is_larger) break;
         }
         std::int64_t number = guess;

@@ -32,17 +32,17 @@ namespace detail {
 struct CompactHead {
     static constexpr std::uint32_t widest = std::uint32_t{1} << 25;  ///< side of a frame, in 1/256 px
 
-    int channels = 0;                              ///< 1 to 4
-    CompactColors colors = CompactColors::bits8;   ///< how colours are held
-    bool premultiplied = false, linear = false;    ///< what they mean
-    bool is_masked = false;                        ///< whether some faces are not shown
-    Periodic periodic = Periodic::none;            ///< along which axes the mesh goes on
-    Samples samples = Samples::squares;            ///< where samples stand
-    int width = 0, height = 0;                     ///< px of the image
-    double peak = 0;                               ///< colour value of full intensity
-    std::uint32_t step = 1;                        ///< of the lattice, in 1/256 px
-    std::uint32_t color_step = 1;                  ///< of colours that are no floats
-    std::int32_t left = 0, top = 0;                ///< the frame, the rectangle that all faces fill, in 1/256 px
+    int channels = 0;                                 ///< 1 to 4
+    CompactColors colors = CompactColors::bits8;      ///< how colours are held
+    bool premultiplied = false, linear = false;       ///< what they mean
+    bool is_masked = false;                           ///< whether some faces are not shown
+    Periodic periodic = Periodic::none;               ///< along which axes the mesh goes on
+    Samples samples = Samples::squares;               ///< where samples stand
+    int width = 0, height = 0;                        ///< px of the image
+    double peak = 0;                                  ///< colour value of full intensity
+    std::uint32_t step = 1;                           ///< of the lattice, in 1/256 px
+    std::uint32_t color_step = 1;                     ///< of colours that are no floats
+    std::int32_t left = 0, top = 0;                   ///< the frame, the rectangle that all faces fill, in 1/256 px
     std::uint32_t frame_width = 0, frame_height = 0;  ///< its size
 
     /// The peak of the images that have such colours, which is not said.
@@ -112,7 +112,8 @@ class ByteReader {
         for (int k = 0; k < 4; ++k) value |= std::uint32_t{u8()} << (8 * k);
         return value;
     }
-    /// A number of 32 bits at most in groups of 7, the lowest first, all but the last with their highest bit set; as short as may be.
+    /// A number of 32 bits at most in groups of 7, the lowest first, all but the last with their highest bit set; as short as may
+    /// be.
     std::uint32_t varint() noexcept {
         std::uint64_t value = 0;
         for (int k = 0; k < 5; ++k) {
@@ -161,9 +162,9 @@ inline void put_signed_varint(std::vector<std::uint8_t>& out, std::int32_t value
 /// Puts the head.
 inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
     const bool has_peak = head.peak != head.usual_peak(), has_frame = !head.is_image_framed();
-    out.push_back(static_cast<std::uint8_t>((head.channels - 1) | static_cast<int>(head.colors) << 2 | (head.premultiplied ? 16 : 0) |
-                                            (head.samples == Samples::points ? 32 : 0) | (head.linear ? 64 : 0) |
-                                            (has_peak ? 128 : 0)));
+    out.push_back(static_cast<std::uint8_t>((head.channels - 1) | static_cast<int>(head.colors) << 2 |
+                                            (head.premultiplied ? 16 : 0) | (head.samples == Samples::points ? 32 : 0) |
+                                            (head.linear ? 64 : 0) | (has_peak ? 128 : 0)));
     out.push_back(static_cast<std::uint8_t>(static_cast<int>(head.periodic) | (head.is_masked ? 4 : 0) | (has_frame ? 8 : 0)));
     for (const int side : {head.width, head.height}) put_varint(out, static_cast<std::uint32_t>(side));
     put_varint(out, head.step);
@@ -242,7 +243,8 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
 inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
     out.push_back(static_cast<std::uint8_t>(compact_version << 4 | (head.linear ? 8 : 0) | (head.premultiplied ? 4 : 0) |
                                             (head.channels - 1)));
-    for (const std::uint32_t value : {static_cast<std::uint32_t>(head.width), static_cast<std::uint32_t>(head.height), head.color_step})
+    for (const std::uint32_t value :
+         {static_cast<std::uint32_t>(head.width), static_cast<std::uint32_t>(head.height), head.color_step})
         out.push_back(static_cast<std::uint8_t>(value - 1));
 }
 /// Reads it.
@@ -260,7 +262,8 @@ inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& hea
     head.peak = 255;
     head.frame_image();
     if (in.has_failed()) return {Errc::invalid_argument, "the bare compact mesh ends in its head"};
-    if (head.color_step > 255) return {Errc::invalid_argument, "the bare compact mesh has too large a step of colours", head.color_step, 255};
+    if (head.color_step > 255)
+        return {Errc::invalid_argument, "the bare compact mesh has too large a step of colours", head.color_step, 255};
     return {};
 }
 

@@ -4,8 +4,8 @@
 /// Flips come in rounds. In the first each edge is asked, in the order of its points; in each later one the edges around the
 /// quadrilaterals that the round before has changed. An edge is passed over where it is on the border, where the other diagonal
 /// does not lie inside, and for now where a triangle beside it was changed in this very round. So each flip is told in the first
-/// round in which it is possible, and where there is none nothing is said but that: a Delaunay triangulation costs next to nothing.
-/// A round without a flip is the last. Whatever the bits, what results is a triangulation of all points.
+/// round in which it is possible, and where there is none nothing is said but that: a Delaunay triangulation costs next to
+/// nothing. A round without a flip is the last. Whatever the bits, what results is a triangulation of all points.
 ///
 /// What tells a flip are the two angles across the edge, how much they are less than half a turn together, as they are at an edge
 /// of Delaunay's, the two angles that would be across the new one, and the flips beside it.
@@ -62,8 +62,8 @@ class FlipCoder {
     /// The most flips of a triangulation of n points: what needs more is not coded, and not read.
     [[nodiscard]] static std::size_t most_flips(std::size_t n) noexcept { return 64 * n; }
 
-    /// Codes the flips that lead from the Delaunay triangulation `mesh` to another, which it becomes. Where it writes, `flips` are
-    /// these, sorted by edge, and of one edge by round. False: what is read ended before, or flips more than most_flips().
+    /// Codes the flips that lead from the Delaunay triangulation `mesh` to another, which it becomes. Where it writes, `flips`
+    /// are these, sorted by edge, and of one edge by round. False: what is read ended before, or flips more than most_flips().
     bool code(Triangulation& mesh, const std::vector<Flip>& flips) {
         const bool writes = coder_->writes();
         Rounds rounds(mesh);
@@ -133,16 +133,20 @@ class FlipCoder {
         const std::size_t phase = std::min<std::uint32_t>(round, 3) - 1;
         const Index o = Triangulation::opposite(e);
         const std::size_t fresh = (rounds[e] + 1 == round ? 1U : 0U) + (rounds[o] + 1 == round ? 1U : 0U);
-        std::size_t near = 0;  // triangles beyond the four sides that a flip has made, and those of them that one of this round has
+        std::size_t near =
+            0;  // triangles beyond the four sides that a flip has made, and those of them that one of this round has
         for (const Index side :
              {mesh.next(e), mesh.next(o), Triangulation::opposite(mesh.previous(e)), Triangulation::opposite(mesh.previous(o))})
             near += rounds[side] == 0 ? 0 : rounds[side] == round ? 6 : 1;
         const int at_a = angle64(a, d, c), at_b = angle64(b, c, d);
-        const auto place = [](int low, int high) { return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4); };
-        return mixer_.code(*coder_, value,
-                           {&angles_[phase * 256 + place(at_c, at_d)], &shapes_[(phase * 16 + slack / 4) * 256 + place(at_a, at_b)],
-                            &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + near]},
-                           phase * 16 + slack / 4);
+        const auto place = [](int low, int high) {
+            return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4);
+        };
+        return mixer_.code(
+            *coder_, value,
+            {&angles_[phase * 256 + place(at_c, at_d)], &shapes_[(phase * 16 + slack / 4) * 256 + place(at_a, at_b)],
+             &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + near]},
+            phase * 16 + slack / 4);
     }
 
     ArithmeticCoder* coder_;

@@ -2,8 +2,9 @@
 /// AdaptiveBit and Mixer: how probable it is that the next bit is 1, learnt from the bits before it in its contexts.
 ///
 /// A context is a place in a table that holds how often its bits were 1. Several contexts of a bit are mixed in the logistic
-/// domain, ln(p / (1 - p)), with weights that learn which of them to believe (M. Mahoney, 2005). All numbers are integers, so that
-/// every processor computes the same: probabilities in 2^16ths or finer, logarithms in 256ths. About 15 ns a bit of five contexts.
+/// domain, ln(p / (1 - p)), with weights that learn which of them to believe (M. Mahoney, 2005). All numbers are integers, so
+/// that every processor computes the same: probabilities in 2^16ths or finer, logarithms in 256ths. About 15 ns a bit of five
+/// contexts.
 #ifndef HMESH_IO_COMPACT_MIXER_HPP
 #define HMESH_IO_COMPACT_MIXER_HPP
 

@@ -16,8 +16,8 @@ namespace hmesh::detail {
 
 /// A point with whole coordinates.
 struct GridPoint {
-    std::int32_t x = 0,                                                                                      ///< to the right
-        y = 0;                                                                                               ///< down
+    std::int32_t x = 0,                                                                                       ///< to the right
+        y = 0;                                                                                                ///< down
     friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< at one place
 };
 
@@ -65,9 +65,8 @@ struct GridPoint {
 /// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn, rounded down: 0 to 63.
 [[nodiscard]] inline int angle64(GridPoint p, GridPoint a, GridPoint b) noexcept {
     // 64 cot(k pi / 64), rounded, for k = 1 .. 32.
-    constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107,
-                                                      96,   86,  78,  71,  64,  58,  53,  47,  43,  38,  34,
-                                                      30,   27,  23,  19,  16,  13,  9,   6,   3,   0};
+    constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
+                                                      58,   53,  47,  43,  38,  34,  30,  27,  23,  19,  16,  13, 9,  6,  3,  0};
     const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
     const std::int64_t size = 64 * (product < 0 ? -product : product);
     // Cotangents fall: how many of them are not below that of the angle.

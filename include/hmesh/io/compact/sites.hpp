@@ -1,11 +1,12 @@
 /// \file
-/// SiteCoder: which sites of a rectangular lattice are occupied, in no order of their own: that is what makes a set of points cheap.
+/// SiteCoder: which sites of a rectangular lattice are occupied, in no order of their own: that is what makes a set of points
+/// cheap.
 ///
 /// The lattice is halved again and again, and of each half with points it is said how many of them lie in its first half. As long
-/// as there are less than some eight cells a point, all cells of a size come after one another, so that counts of neighbours, some
-/// of them halved already, tell how many to expect; within a cell of the smallest such size, its few points come one after another,
-/// and the bits of a lone one are as they are. After P.-M. Gandoin and O. Devillers, "Progressive lossless compression of arbitrary
-/// simplicial complexes", 2002.
+/// as there are less than some eight cells a point, all cells of a size come after one another, so that counts of neighbours,
+/// some of them halved already, tell how many to expect; within a cell of the smallest such size, its few points come one after
+/// another, and the bits of a lone one are as they are. After P.-M. Gandoin and O. Devillers, "Progressive lossless compression
+/// of arbitrary simplicial complexes", 2002.
 ///
 /// Cost: O(n log n), some 150 ns and 64 bytes a point.
 #ifndef HMESH_IO_COMPACT_SITES_HPP
@@ -101,8 +102,8 @@ class SiteCoder {
         : coder_(&coder), mixer_(logistic, kinds * 2, 21845), neighbors_(kinds * 256), wide_(kinds * 256), far_(kinds * 256),
           depth_(kinds * 64), inner_(kinds * 2) {}
 
-    /// Codes `count` <= width * height different sites. They are written in any order, and left, written or read, in that of their
-    /// ways through the halvings. False: what is read ended before, and `sites` are as they may be.
+    /// Codes `count` <= width * height different sites. They are written in any order, and left, written or read, in that of
+    /// their ways through the halvings. False: what is read ended before, and `sites` are as they may be.
     bool code(std::uint32_t width, std::uint32_t height, std::size_t count, std::vector<Site>& sites) {
         if (count == 0) return true;
         const Halving halving(width, height);
@@ -130,8 +131,8 @@ class SiteCoder {
   private:
     static constexpr std::size_t kinds = 48;  // of decisions, see kind_of()
 
-    // The kind of the decision `node` of those that say how many of n points are in the first half: nodes are 1, 2 or 3, and so on
-    // down a binary tree.
+    // The kind of the decision `node` of those that say how many of n points are in the first half: nodes are 1, 2 or 3, and so
+    // on down a binary tree.
     [[nodiscard]] static std::size_t kind_of(std::uint32_t n, std::uint32_t node) noexcept {
         if (n <= 3) return n == 1 ? 0 : 3 * n - 6 + std::min(node, 3U);  // 0; 1 to 3; 4 to 6
         const std::size_t size = static_cast<std::size_t>(std::min(digits_of(n) - 3, 4));
@@ -153,7 +154,8 @@ class SiteCoder {
         }
         const std::uint64_t half = std::min(std::uint64_t{1} << (halving.side(level, a) - 1), size[a]);
         const std::uint64_t first = half * size[1 - a], second = (size[a] - half) * size[1 - a];
-        return {static_cast<std::uint32_t>(n > second ? n - second : 0), static_cast<std::uint32_t>(std::min<std::uint64_t>(n, first))};
+        return {static_cast<std::uint32_t>(n > second ? n - second : 0),
+                static_cast<std::uint32_t>(std::min<std::uint64_t>(n, first))};
     }
     [[nodiscard]] std::uint32_t count_first(const Halving& halving, int level, std::size_t at, std::uint32_t n) const noexcept {
         if (!coder_->writes()) return 0;
@@ -169,8 +171,7 @@ class SiteCoder {
         // A neighbour's way differs in the digits of one axis alone: with the others set or not, carries pass over them.
         const std::uint64_t along = halving.digits(level, a), across = halving.digits(level, 1 - a);
         // Cells in the last column or row may reach over the end; of the others each half holds so many.
-        const std::uint64_t last =
-            halving.way({halving.size(0) - 1, halving.size(1) - 1}) >> (halving.levels() - level);
+        const std::uint64_t last = halving.way({halving.size(0) - 1, halving.size(1) - 1}) >> (halving.levels() - level);
         const std::uint64_t capacity = std::uint64_t{1} << (halving.levels() - level - 1);
         halves_.assign(2 * counts_.size(), 0);
         std::size_t at = 0;
@@ -191,7 +192,8 @@ class SiteCoder {
             if (may.least != may.most) {
                 // The cells before it along both axes have been halved, and the one before along both.
                 std::uint64_t there = 0, corner = 0;
-                std::uint32_t near = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0, corner_half = 0, far = 0;
+                std::uint32_t near = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0, corner_half = 0,
+                              far = 0;
                 if (step(cell, along, false, there)) {
                     near = halves_[2 * there + 1];
                     before = counts_[there];
@@ -210,8 +212,8 @@ class SiteCoder {
                 if (step(cell, across, true, there)) beyond = counts_[there];
                 const std::size_t neighbors = upto3(near) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
                 const std::size_t wide = upto7(before) << 5 | upto7(after) << 2 | (std::min<std::size_t>(deeper, 4) - 1);
-                const std::size_t others = upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 |
-                                           upto3((far + 1) / 2);
+                const std::size_t others =
+                    upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 | upto3((far + 1) / 2);
                 first = tell(may, n, count_first(halving, level, at, n), [&](std::size_t kind, bool bit) {
                     return mixer_.code(*coder_, bit,
                                        {&neighbors_[kind * 256 + neighbors], &wide_[kind * 256 + wide],
@@ -251,8 +253,8 @@ class SiteCoder {
                 const std::uint32_t truth = count_first(halving, level, at, n);
                 if (n == 1) first = coder_->bits(truth, 1);
                 else
-                    first = tell(may, n, truth,
-                                 [&](std::size_t kind, bool bit) { return inner_[2 * kind + a].code(*coder_, bit); });
+                    first =
+                        tell(may, n, truth, [&](std::size_t kind, bool bit) { return inner_[2 * kind + a].code(*coder_, bit); });
             }
             Site second = cell;
             (a == 0 ? second.x : second.y) += std::uint32_t{1} << (halving.side(level, a) - 1);

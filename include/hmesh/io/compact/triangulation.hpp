@@ -1,11 +1,11 @@
 /// \file
 /// Triangulation: triangles between all of a set of points, begun as those of Delaunay and changed by flips.
 ///
-/// The Delaunay triangulation is made by halves (L. Guibas and J. Stolfi, "Primitives for the manipulation of general subdivisions
-/// and the computation of Voronoi diagrams", 1985), in O(n log n) whatever the points. Where four points or more lie on a circle
-/// that holds no other, the first of them, by its number, is joined to all others: this is what a point that was moved toward the
-/// inside of all circles by a trifle would do, the first by far the most, so that the triangulation is one and the same for every
-/// way to find it. Flips of edges between convex quadrilaterals keep it one. All decisions are exact.
+/// The Delaunay triangulation is made by halves (L. Guibas and J. Stolfi, "Primitives for the manipulation of general
+/// subdivisions and the computation of Voronoi diagrams", 1985), in O(n log n) whatever the points. Where four points or more lie
+/// on a circle that holds no other, the first of them, by its number, is joined to all others: this is what a point that was
+/// moved toward the inside of all circles by a trifle would do, the first by far the most, so that the triangulation is one and
+/// the same for every way to find it. Flips of edges between convex quadrilaterals keep it one. All decisions are exact.
 ///
 /// Cost: some 700 ns and 80 bytes a point.
 #ifndef HMESH_IO_COMPACT_TRIANGULATION_HPP
@@ -24,10 +24,11 @@
 
 namespace hmesh::detail {
 
-/// A triangulation of points by directed edges, each beside its opposite, which around each point know the next and the one before.
+/// A triangulation of points by directed edges, each beside its opposite, which around each point know the next and the one
+/// before.
 class Triangulation {
   public:
-    using Index = std::uint32_t;  ///< of a point, or of a directed edge
+    using Index = std::uint32_t;                                      ///< of a point, or of a directed edge
     static constexpr Index none = std::numeric_limits<Index>::max();  ///< no point, no edge
 
     /// The Delaunay triangulation of at least 3 different points that do not lie on one line, which outlive this.
@@ -49,17 +50,17 @@ class Triangulation {
             }
     }
 
-    [[nodiscard]] static Index opposite(Index e) noexcept { return e ^ 1U; }                 ///< the other direction
-    [[nodiscard]] std::size_t edge_slots() const noexcept { return edges_.size(); }          ///< one above the last directed edge
-    [[nodiscard]] std::size_t point_count() const noexcept { return first_.size(); }         ///< number of points
-    [[nodiscard]] bool is_edge(Index e) const noexcept { return edges_[e].from != none; }    ///< false: a slot that is not in use
-    [[nodiscard]] Index from(Index e) const noexcept { return edges_[e].from; }              ///< where it begins
-    [[nodiscard]] Index to(Index e) const noexcept { return edges_[opposite(e)].from; }      ///< where it ends
-    [[nodiscard]] Index next(Index e) const noexcept { return edges_[e].next; }              ///< around from(e), in positive sense
-    [[nodiscard]] Index previous(Index e) const noexcept { return edges_[e].previous; }      ///< around from(e)
-    [[nodiscard]] Index first(Index v) const noexcept { return first_[v]; }                  ///< an edge that leaves v
-    [[nodiscard]] Index degree(Index v) const noexcept { return degree_[v]; }                ///< number of edges that leave v
-    [[nodiscard]] GridPoint point(Index v) const noexcept { return (*points_)[v]; }          ///< where v is
+    [[nodiscard]] static Index opposite(Index e) noexcept { return e ^ 1U; }               ///< the other direction
+    [[nodiscard]] std::size_t edge_slots() const noexcept { return edges_.size(); }        ///< one above the last directed edge
+    [[nodiscard]] std::size_t point_count() const noexcept { return first_.size(); }       ///< number of points
+    [[nodiscard]] bool is_edge(Index e) const noexcept { return edges_[e].from != none; }  ///< false: a slot that is not in use
+    [[nodiscard]] Index from(Index e) const noexcept { return edges_[e].from; }            ///< where it begins
+    [[nodiscard]] Index to(Index e) const noexcept { return edges_[opposite(e)].from; }    ///< where it ends
+    [[nodiscard]] Index next(Index e) const noexcept { return edges_[e].next; }            ///< around from(e), in positive sense
+    [[nodiscard]] Index previous(Index e) const noexcept { return edges_[e].previous; }    ///< around from(e)
+    [[nodiscard]] Index first(Index v) const noexcept { return first_[v]; }                ///< an edge that leaves v
+    [[nodiscard]] Index degree(Index v) const noexcept { return degree_[v]; }              ///< number of edges that leave v
+    [[nodiscard]] GridPoint point(Index v) const noexcept { return (*points_)[v]; }        ///< where v is
 
     /// The third corner of the triangle to the left of an edge, or none beside the border.
     [[nodiscard]] Index apex(Index e) const noexcept {
@@ -80,9 +81,7 @@ class Triangulation {
         Index a = none, b = none, c = none, d = none;
     };
     /// Those beside an edge; c or d is none at the border.
-    [[nodiscard]] Quadrilateral around(Index e) const noexcept {
-        return {from(e), to(e), apex(e), apex(opposite(e))};
-    }
+    [[nodiscard]] Quadrilateral around(Index e) const noexcept { return {from(e), to(e), apex(e), apex(opposite(e))}; }
     /// Whether the other diagonal lies inside, so that the edge can be flipped.
     [[nodiscard]] bool is_convex(const Quadrilateral& q) const noexcept {
         return q.c != none && q.d != none && orientation(point(q.a), point(q.d), point(q.c)) > 0 &&
@@ -158,7 +157,9 @@ class Triangulation {
 
     // --- the Delaunay triangulation ---
 
-    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept { return orientation(point(v), point(from(e)), point(to(e))); }
+    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept {
+        return orientation(point(v), point(from(e)), point(to(e)));
+    }
     [[nodiscard]] bool is_inside(Index a, Index b, Index c, Index d) const noexcept {
         if (d == a || d == b || d == c) return false;
         const int sign = in_circle_sign(point(a), point(b), point(c), point(d));
