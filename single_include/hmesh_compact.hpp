@@ -24,8 +24,8 @@
 /// ArithmeticCoder: bits of any probability as bytes, and back.
 ///
 /// An interval of 32-bit numbers is divided at each bit as its probability says, and gives off its first byte where both ends
-/// agree in it (after M. Mahoney, "Adaptive weighing of context models for lossless data compression", 2005). One class writes and
-/// reads, so that what is modelled around it is written down once and the two cannot differ. About 5 ns a bit.
+/// agree in it (after M. Mahoney, "Adaptive weighing of context models for lossless data compression", 2005). One class writes
+/// and reads, so that what is modelled around it is written down once and the two cannot differ. About 5 ns a bit.
 #ifndef HMESH_IO_COMPACT_ARITHMETIC_CODER_HPP
 #define HMESH_IO_COMPACT_ARITHMETIC_CODER_HPP
 
@@ -120,8 +120,9 @@ class ArithmeticCoder {
 /// AdaptiveBit and Mixer: how probable it is that the next bit is 1, learnt from the bits before it in its contexts.
 ///
 /// A context is a place in a table that holds how often its bits were 1. Several contexts of a bit are mixed in the logistic
-/// domain, ln(p / (1 - p)), with weights that learn which of them to believe (M. Mahoney, 2005). All numbers are integers, so that
-/// every processor computes the same: probabilities in 2^16ths or finer, logarithms in 256ths. About 15 ns a bit of five contexts.
+/// domain, ln(p / (1 - p)), with weights that learn which of them to believe (M. Mahoney, 2005). All numbers are integers, so
+/// that every processor computes the same: probabilities in 2^16ths or finer, logarithms in 256ths. About 15 ns a bit of five
+/// contexts.
 #ifndef HMESH_IO_COMPACT_MIXER_HPP
 #define HMESH_IO_COMPACT_MIXER_HPP
 
@@ -244,13 +245,14 @@ class Mixer {
 // ---- hmesh/io/compact/sites.hpp
 
 /// \file
-/// SiteCoder: which sites of a rectangular lattice are occupied, in no order of their own: that is what makes a set of points cheap.
+/// SiteCoder: which sites of a rectangular lattice are occupied, in no order of their own: that is what makes a set of points
+/// cheap.
 ///
 /// The lattice is halved again and again, and of each half with points it is said how many of them lie in its first half. As long
-/// as there are less than some eight cells a point, all cells of a size come after one another, so that counts of neighbours, some
-/// of them halved already, tell how many to expect; within a cell of the smallest such size, its few points come one after another,
-/// and the bits of a lone one are as they are. After P.-M. Gandoin and O. Devillers, "Progressive lossless compression of arbitrary
-/// simplicial complexes", 2002.
+/// as there are less than some eight cells a point, all cells of a size come after one another, so that counts of neighbours,
+/// some of them halved already, tell how many to expect; within a cell of the smallest such size, its few points come one after
+/// another, and the bits of a lone one are as they are. After P.-M. Gandoin and O. Devillers, "Progressive lossless compression
+/// of arbitrary simplicial complexes", 2002.
 ///
 /// Cost: O(n log n), some 150 ns and 64 bytes a point.
 #ifndef HMESH_IO_COMPACT_SITES_HPP
@@ -341,8 +343,8 @@ class SiteCoder {
         : coder_(&coder), mixer_(logistic, kinds * 2, 21845), neighbors_(kinds * 256), wide_(kinds * 256), far_(kinds * 256),
           depth_(kinds * 64), inner_(kinds * 2) {}
 
-    /// Codes `count` <= width * height different sites. They are written in any order, and left, written or read, in that of their
-    /// ways through the halvings. False: what is read ended before, and `sites` are as they may be.
+    /// Codes `count` <= width * height different sites. They are written in any order, and left, written or read, in that of
+    /// their ways through the halvings. False: what is read ended before, and `sites` are as they may be.
     bool code(std::uint32_t width, std::uint32_t height, std::size_t count, std::vector<Site>& sites) {
         if (count == 0) return true;
         const Halving halving(width, height);
@@ -370,8 +372,8 @@ class SiteCoder {
   private:
     static constexpr std::size_t kinds = 48;  // of decisions, see kind_of()
 
-    // The kind of the decision `node` of those that say how many of n points are in the first half: nodes are 1, 2 or 3, and so on
-    // down a binary tree.
+    // The kind of the decision `node` of those that say how many of n points are in the first half: nodes are 1, 2 or 3, and so
+    // on down a binary tree.
     [[nodiscard]] static std::size_t kind_of(std::uint32_t n, std::uint32_t node) noexcept {
         if (n <= 3) return n == 1 ? 0 : 3 * n - 6 + std::min(node, 3U);  // 0; 1 to 3; 4 to 6
         const std::size_t size = static_cast<std::size_t>(std::min(digits_of(n) - 3, 4));
@@ -608,11 +610,11 @@ struct GridPoint {
 /// \file
 /// Triangulation: triangles between all of a set of points, begun as those of Delaunay and changed by flips.
 ///
-/// The Delaunay triangulation is made by halves (L. Guibas and J. Stolfi, "Primitives for the manipulation of general subdivisions
-/// and the computation of Voronoi diagrams", 1985), in O(n log n) whatever the points. Where four points or more lie on a circle
-/// that holds no other, the first of them, by its number, is joined to all others: this is what a point that was moved toward the
-/// inside of all circles by a trifle would do, the first by far the most, so that the triangulation is one and the same for every
-/// way to find it. Flips of edges between convex quadrilaterals keep it one. All decisions are exact.
+/// The Delaunay triangulation is made by halves (L. Guibas and J. Stolfi, "Primitives for the manipulation of general
+/// subdivisions and the computation of Voronoi diagrams", 1985), in O(n log n) whatever the points. Where four points or more lie
+/// on a circle that holds no other, the first of them, by its number, is joined to all others: this is what a point that was
+/// moved toward the inside of all circles by a trifle would do, the first by far the most, so that the triangulation is one and
+/// the same for every way to find it. Flips of edges between convex quadrilaterals keep it one. All decisions are exact.
 ///
 /// Cost: some 700 ns and 80 bytes a point.
 #ifndef HMESH_IO_COMPACT_TRIANGULATION_HPP
@@ -627,7 +629,8 @@ struct GridPoint {
 
 namespace hmesh::detail {
 
-/// A triangulation of points by directed edges, each beside its opposite, which around each point know the next and the one before.
+/// A triangulation of points by directed edges, each beside its opposite, which around each point know the next and the one
+/// before.
 class Triangulation {
   public:
     using Index = std::uint32_t;                                      ///< of a point, or of a directed edge
@@ -852,9 +855,9 @@ class Triangulation {
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
 ///
 /// Vertices come in the order of their points; each is foretold by its neighbours that came before, the nearer the more, and told
-/// by its difference to that. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a color
-/// space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by how much
-/// the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
+/// by its difference to that. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a
+/// color space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by
+/// how much the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
 #ifndef HMESH_IO_COMPACT_COLORS_HPP
@@ -1166,7 +1169,8 @@ class ByteReader {
         for (int k = 0; k < 4; ++k) value |= std::uint32_t{u8()} << (8 * k);
         return value;
     }
-    /// A number of 32 bits at most in groups of 7, the lowest first, all but the last with their highest bit set; as short as may be.
+    /// A number of 32 bits at most in groups of 7, the lowest first, all but the last with their highest bit set; as short as may
+    /// be.
     std::uint32_t varint() noexcept {
         std::uint64_t value = 0;
         for (int k = 0; k < 5; ++k) {
@@ -1399,8 +1403,8 @@ class MaskCoder {
 /// Flips come in rounds. In the first each edge is asked, in the order of its points; in each later one the edges around the
 /// quadrilaterals that the round before has changed. An edge is passed over where it is on the border, where the other diagonal
 /// does not lie inside, and for now where a triangle beside it was changed in this very round. So each flip is told in the first
-/// round in which it is possible, and where there is none nothing is said but that: a Delaunay triangulation costs next to nothing.
-/// A round without a flip is the last. Whatever the bits, what results is a triangulation of all points.
+/// round in which it is possible, and where there is none nothing is said but that: a Delaunay triangulation costs next to
+/// nothing. A round without a flip is the last. Whatever the bits, what results is a triangulation of all points.
 ///
 /// What tells a flip are the two angles across the edge, how much they are less than half a turn together, as they are at an edge
 /// of Delaunay's, the two angles that would be across the new one, and the flips beside it.
@@ -1450,8 +1454,8 @@ class FlipCoder {
     /// The most flips of a triangulation of n points: what needs more is not coded, and not read.
     [[nodiscard]] static std::size_t most_flips(std::size_t n) noexcept { return 64 * n; }
 
-    /// Codes the flips that lead from the Delaunay triangulation `mesh` to another, which it becomes. Where it writes, `flips` are
-    /// these, sorted by edge, and of one edge by round. False: what is read ended before, or flips more than most_flips().
+    /// Codes the flips that lead from the Delaunay triangulation `mesh` to another, which it becomes. Where it writes, `flips`
+    /// are these, sorted by edge, and of one edge by round. False: what is read ended before, or flips more than most_flips().
     bool code(Triangulation& mesh, const std::vector<Flip>& flips) {
         const bool writes = coder_->writes();
         Rounds rounds(mesh);
@@ -1814,15 +1818,16 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
 /// write_compact() and read_compact(): a mesh in a file that is smaller than any other of it, and back.
 ///
 /// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
-/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes every
-/// bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which depends
-/// on the mesh alone and not on how it was kept; written again it gives the same bytes.
+/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
+/// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
+/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
 ///
 /// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
 /// images and of points. Colours are integers of 8 or 16 bits, or the very floats.
 ///
-/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number of
-/// vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a vertex.
+/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number
+/// of vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a
+/// vertex.
 #ifndef HMESH_IO_COMPACT_HPP
 #define HMESH_IO_COMPACT_HPP
 
@@ -1841,12 +1846,13 @@ namespace hmesh {
 
 /// Options of write_compact().
 struct CompactOptions {
-    /// How colours are held. A mesh whose colours are whole 255ths or 65535ths of its peak comes back as it was from integers too.
+    /// How colours are held. A mesh whose colours are whole 255ths or 65535ths of its peak comes back as it was from integers
+    /// too.
     CompactColors colors = CompactColors::bits8;
     /// Whether colours are for renderers that interpolate linear light, as fit_linear_light() makes them. The file keeps it.
     bool linear = false;
-    /// Whether to write the bare profile: a head of 4 bytes and no checksum, for what is told its size by others, as data in a page
-    /// is. Of meshes with peak 255, colours of 8 bits, sides of 256 px at most and positions of whole px.
+    /// Whether to write the bare profile: a head of 4 bytes and no checksum, for what is told its size by others, as data in a
+    /// page is. Of meshes with peak 255, colours of 8 bits, sides of 256 px at most and positions of whole px.
     bool bare = false;
 };
 
@@ -1858,9 +1864,10 @@ struct CompactLimits {
 
 /// What read_compact() returns.
 struct [[nodiscard]] CompactMesh {
-    Mesh mesh;            ///< the mesh, or an empty one
-    bool linear = false;  ///< whether its colours are for renderers that interpolate linear light
-    Status status;        ///< ok, or why there is none
+    Mesh mesh;                                    ///< the mesh, or an empty one
+    bool linear = false;                          ///< whether its colours are for renderers that interpolate linear light
+    CompactColors colors = CompactColors::bits8;  ///< how the file holds its colours
+    Status status;                                ///< ok, or why there is none
 };
 
 namespace detail {
@@ -2141,6 +2148,7 @@ class CompactWriter {
     if (const Status status = code_body(coder, head, body, static_cast<std::size_t>(limits.max_vertices)); !status) return status;
     if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
     out.linear = head.linear;
+    out.colors = head.colors;
     if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
     return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
 }
@@ -2148,8 +2156,8 @@ class CompactWriter {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as a compact file. A mesh that has no size, numbers that are not finite, positions off the
-/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise than
-/// edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise
+/// than edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOptions& options = {}) {
     constexpr std::uint64_t most = detail::CompactHead::widest / 2;
     if (const Status status =
@@ -2178,8 +2186,8 @@ namespace detail {
 
 }  // namespace detail
 
-/// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status that
-/// says so, and an empty mesh.
+/// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status
+/// that says so, and an empty mesh.
 inline CompactMesh read_compact(const void* bytes, std::size_t size, const CompactLimits& limits = {}) {
     CompactMesh out;
     out.status = detail::check(limits);

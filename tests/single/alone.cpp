@@ -8,6 +8,7 @@
 
 bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
+bool compact_is_there();                               // compact.cpp
 bool lods_are_there();                                 // lods.cpp
 bool terrain_is_there();                               // terrain.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
@@ -32,5 +33,6 @@ int main() {
     if (!gpu_is_there()) return 6;
     if (!lods_are_there()) return 7;
     if (!terrain_is_there()) return 8;
+    if (!compact_is_there()) return 9;
     return paper_is_there() ? 0 : 5;
 }

@@ -620,10 +620,10 @@ CommandLine parse(const std::vector<std::string>& words) {
         inputs = texts;
         return true;
     };
-    app.add_option(
-           "IMAGE", set_inputs,
-           "image files: " + formats_read() +
-               ";\n8 or 16 bits or floats, 1 to 4 channels; --version says what reads them. - is the standard\ninput. A mesh of an .hmc file is drawn and written again")
+    app.add_option("IMAGE", set_inputs,
+                   "image files: " + formats_read() +
+                       ";\n8 or 16 bits or floats, 1 to 4 channels; --version says what reads them. - is the standard\n"
+                       "input. A mesh of an .hmc file is drawn and written again")
         ->expected(1, CLI::detail::expected_max_vector_size)
         ->allow_extra_args()
         ->required();
