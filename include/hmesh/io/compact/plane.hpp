@@ -62,7 +62,7 @@ struct GridPoint {
     return sign_of_sum({sa, sb, sc}, {pa, pb, pc});
 }
 
-/// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn, rounded down: 0 to 63.
+/// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn: 0 to 63, of which 31 is up to a right angle.
 [[nodiscard]] inline int angle64(GridPoint p, GridPoint a, GridPoint b) noexcept {
     // 64 cot(k pi / 64), rounded, for k = 1 .. 32.
     constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
