@@ -1,9 +1,12 @@
 """Compact files: written, read to pictures and to every other format, and refused."""
 import shutil
+import struct
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
+import hmc
 from conftest import is_png, ply_header, read
 
 
@@ -48,3 +51,25 @@ def test_damage_is_told(hmesh):
                                ("new.hmc", whole[:4] + b"\2" + whole[5:], "of a version that is not known (2, limit 1)")]:
         Path(name).write_bytes(content)
         hmesh.fails(why, f"{name} -o x.ply")
+
+
+@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare"])
+def test_another_decoder_reads_what_the_library_does(name):
+    file = Path(__file__).parent.parent / "golden" / "compact" / name
+    size, vertices, faces = hmc.read_compact(file.with_suffix(".hmc").read_bytes(), name == "bare")
+    lines = [size, [len(vertices)], *vertices, [len(faces)], *faces]
+    assert [" ".join(map(str, line)) for line in lines] == file.with_suffix(".txt").read_text(encoding="ascii").splitlines()
+
+
+@pytest.mark.parametrize("options", ["picture.png --vertices 26", "picture.png --vertices 16 --periodic xy", "grey16.pgm --vertices 20",
+                                     "rgba.tga --vertices 24 --sprite", "grey.pgm --samples points --vertices 20"])
+def test_another_decoder_reads_what_the_command_writes(hmesh, options):
+    hmesh.done(f"{options} -o x.hmc -o x.ply")
+    _, vertices, faces = hmc.read_compact(read("x.hmc"))
+    head = ply_header("x.ply")
+    assert f"element vertex {len(vertices)}" in head and f"element face {len(faces)}" in head
+    height = int(Image.open(options.split()[0]).size[1]) - (1 if "points" in options else 0)
+    body = read("x.ply").partition(b"end_header\n")[2]
+    size = len([line for line in head if line.startswith("property uchar")]) + 12
+    places = sorted(struct.unpack_from("<2f", body, size * k) for k in range(len(vertices)))
+    assert places == sorted((v[0] / 256, height - v[1] / 256) for v in vertices)
