@@ -184,7 +184,7 @@ class Logistic {
     /// 65536 / (1 + e^(-s / 256)), in [1, 65535]: between every 64 of s by a straight line.
     [[nodiscard]] static std::uint32_t probability(int s) noexcept {
         // 65536 / (1 + e^(-k / 4)), rounded, for k = 0 .. 44.
-        constexpr std::array<std::uint16_t, 45> table{
+        static constexpr std::array<std::uint16_t, 45> table{
             32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
             64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
             65500, 65508, 65514, 65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533, 65534, 65534, 65535, 65535};
@@ -274,9 +274,13 @@ struct Site {
 
 /// The number of binary digits of a number.
 [[nodiscard]] constexpr int digits_of(std::uint64_t value) noexcept {
+#if defined(__GNUC__)
+    return value == 0 ? 0 : 64 - __builtin_clzll(value);
+#else
     int digits = 0;
     for (; value != 0; value >>= 1) ++digits;
     return digits;
+#endif
 }
 
 /// How a lattice is halved: into columns or rows, the longer side first, as if both sides were powers of two.
@@ -586,18 +590,15 @@ struct GridPoint {
 /// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn: 0 to 63, of which 31 is up to a right angle.
 [[nodiscard]] inline int angle64(GridPoint p, GridPoint a, GridPoint b) noexcept {
     // 64 cot(k pi / 64), rounded, for k = 1 .. 32.
-    constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
-                                                      58,   53,  47,  43,  38,  34,  30,  27,  23,  19,  16,  13, 9,  6,  3,  0};
+    static constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107,
+                                                             96,   86,  78,  71,  64,  58,  53,  47,  43,  38,  34,
+                                                             30,   27,  23,  19,  16,  13,  9,   6,   3,   0};
     const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
     const std::int64_t size = 64 * (product < 0 ? -product : product);
-    // Cotangents fall: how many of them are not below that of the angle.
-    std::size_t least = 0, most = 31;
-    while (least < most) {
-        const std::size_t middle = (least + most) / 2;
-        if (size < cotangents[middle] * area) least = middle + 1;
-        else most = middle;
-    }
-    const int k = static_cast<int>(least);
+    // Cotangents fall: how many of the first 31 are above that of the angle. Without branches, which nobody could foretell.
+    std::size_t above = 0;
+    for (const std::size_t step : {16U, 8U, 4U, 2U, 1U}) above += size < cotangents[above + step - 1] * area ? step : 0;
+    const int k = static_cast<int>(above);
     return product >= 0 ? k : 63 - k;
 }
 

@@ -70,7 +70,7 @@ class Logistic {
     /// 65536 / (1 + e^(-s / 256)), in [1, 65535]: between every 64 of s by a straight line.
     [[nodiscard]] static std::uint32_t probability(int s) noexcept {
         // 65536 / (1 + e^(-k / 4)), rounded, for k = 0 .. 44.
-        constexpr std::array<std::uint16_t, 45> table{
+        static constexpr std::array<std::uint16_t, 45> table{
             32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
             64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
             65500, 65508, 65514, 65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533, 65534, 65534, 65535, 65535};

@@ -65,18 +65,15 @@ struct GridPoint {
 /// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn: 0 to 63, of which 31 is up to a right angle.
 [[nodiscard]] inline int angle64(GridPoint p, GridPoint a, GridPoint b) noexcept {
     // 64 cot(k pi / 64), rounded, for k = 1 .. 32.
-    constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
-                                                      58,   53,  47,  43,  38,  34,  30,  27,  23,  19,  16,  13, 9,  6,  3,  0};
+    static constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107,
+                                                             96,   86,  78,  71,  64,  58,  53,  47,  43,  38,  34,
+                                                             30,   27,  23,  19,  16,  13,  9,   6,   3,   0};
     const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
     const std::int64_t size = 64 * (product < 0 ? -product : product);
-    // Cotangents fall: how many of them are not below that of the angle.
-    std::size_t least = 0, most = 31;
-    while (least < most) {
-        const std::size_t middle = (least + most) / 2;
-        if (size < cotangents[middle] * area) least = middle + 1;
-        else most = middle;
-    }
-    const int k = static_cast<int>(least);
+    // Cotangents fall: how many of the first 31 are above that of the angle. Without branches, which nobody could foretell.
+    std::size_t above = 0;
+    for (const std::size_t step : {16U, 8U, 4U, 2U, 1U}) above += size < cotangents[above + step - 1] * area ? step : 0;
+    const int k = static_cast<int>(above);
     return product >= 0 ? k : 63 - k;
 }
 

@@ -33,9 +33,13 @@ struct Site {
 
 /// The number of binary digits of a number.
 [[nodiscard]] constexpr int digits_of(std::uint64_t value) noexcept {
+#if defined(__GNUC__)
+    return value == 0 ? 0 : 64 - __builtin_clzll(value);
+#else
     int digits = 0;
     for (; value != 0; value >>= 1) ++digits;
     return digits;
+#endif
 }
 
 /// How a lattice is halved: into columns or rows, the longer side first, as if both sides were powers of two.
