@@ -140,6 +140,13 @@ TEST_CASE("a vertex with spokes to all others, and strips along it, come back") 
     CHECK(hmesh_test::difference(mesh, back.mesh) == "");
 }
 
+TEST_CASE("a mesh whose edges are found by flips of which some undo others comes back") {
+    const Mesh mesh = random_mesh({100, 70, 1, 200, 0, 3000, 3, 0}, 19);
+    const CompactMesh back = read(compact(mesh));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+}
+
 TEST_CASE("what is said of the image is kept") {
     Mesh mesh = random_mesh({}, 3);
     for (const bool points : {false, true})
