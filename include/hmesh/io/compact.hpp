@@ -59,7 +59,7 @@ struct CompactOptions {
 
 /// What read_compact() takes at most; what is more is refused before there is memory for it.
 struct CompactLimits {
-    std::int64_t max_vertices = 4194304;              ///< vertices, in [4, 2^24]; the corners of the frame among them
+    std::int64_t max_vertices = 1048576;              ///< vertices, in [4, 2^24]; the corners of the frame among them
     std::int64_t max_pixels = std::int64_t{1} << 32;  ///< width times height of the image, px
 };
 

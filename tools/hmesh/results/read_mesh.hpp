@@ -27,7 +27,9 @@ namespace tool {
 // "" or what is wrong, as the end of a sentence that begins with the file's name.
 [[nodiscard]] inline std::string read_mesh(const std::vector<unsigned char>& bytes, Arguments& arguments, ImageFile& image,
                                            Made& made) {
-    hmesh::CompactMesh read = hmesh::read_compact(bytes.data(), bytes.size());
+    hmesh::CompactLimits limits;
+    limits.max_vertices = 1 << 24;
+    hmesh::CompactMesh read = hmesh::read_compact(bytes.data(), bytes.size(), limits);
     if (!read.status) return in_words(read.status);
     image.width = read.mesh.width;
     image.height = read.mesh.height;
