@@ -7,7 +7,7 @@
 #                                                    where they do not reach it
 #       [SPRITE | OUTLINE]                           meshes without the faces that show nothing, or in place of meshes outlines
 #                                                    of few vertices, to draw the images on: ply, obj (with a .mtl) or glb
-#       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html; several at once
+#       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html, hmc; several at once
 #       [EFFORT <name>]                              draft, fast, normal (default), fine or best
 #       [LODS <n>]                                   levels of detail: .glb holds all, of others <name>_lod1.<ending> is the second
 #       [OUTPUT_DIRECTORY <directory>]               default: <target> in the current binary directory
@@ -86,7 +86,7 @@ function(hmesh_add_meshes target)
     set(formats ply obj glb)
     set(of_outlines " of an outline")
     if(NOT arg_OUTLINE)
-        list(APPEND formats pdf eps svg html)
+        list(APPEND formats pdf eps svg html hmc)
         set(of_outlines "")
     endif()
     foreach(format IN LISTS arg_FORMAT)

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-FORMATS = ["ply", "obj", "glb", "pdf", "eps", "svg", "html"]
+FORMATS = ["ply", "obj", "glb", "pdf", "eps", "svg", "html", "hmc"]
 
 
 def pytest_addoption(parser):
@@ -175,7 +175,7 @@ def is_whole(name):
         return magic == b"glTF" and size == len(file) and "meshes" in json.loads(file[20 : 20 + chunk])
     begin, end = {"obj": (rb"# made by hmesh", rb"\nf \d+ \d+ \d+\n"), "pdf": (rb"%PDF-1", rb"%%EOF\n"),
                   "eps": (rb"%!PS-Adobe-3.0 EPSF-3.0", rb"%%EOF\n"), "svg": (rb"<svg ", rb"</svg>\n"),
-                  "html": (rb"<!DOCTYPE html>", rb"</html>\n")}[kind]
+                  "html": (rb"<!DOCTYPE html>", rb"</html>\n"), "hmc": (b"\x9dHMC\1\0", rb"")}[kind]
     return file.startswith(begin) and re.search(end + rb"\Z", file) is not None
 
 

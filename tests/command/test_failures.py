@@ -79,8 +79,8 @@ def limit(what, size):
 @pytest.mark.parametrize("kind", FORMATS)
 def test_a_disk_that_fills_up_leaves_what_was_there(hmesh, kind):
     Path(f"keep.{kind}").write_text("old")
-    # 1 KiB is less than any of these files.
-    hmesh.fails(f"'keep.{kind}'", f"picture.png --vertices 100 -o keep.{kind}", **limit(resource.RLIMIT_FSIZE, 1024))
+    # 512 bytes are less than any of these files.
+    hmesh.fails(f"'keep.{kind}'", f"picture.png --vertices 100 -o keep.{kind}", **limit(resource.RLIMIT_FSIZE, 512))
     assert read(f"keep.{kind}") == b"old"
 
 

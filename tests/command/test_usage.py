@@ -113,7 +113,7 @@ WRONG = rows("""
     'light' is not one of: stored, linear, each | grey.pgm --fit-space light
     'Exact' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg Exact
     'mesh' is not one of: gradient, exact, flat | grey.pgm -o a.svg --svg=mesh
-    'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html | grey.pgm -o mesh.xyz
+    'mesh.xyz' must end in one of: .ply, .obj, .glb, .pdf, .eps, .svg, .html, .hmc | grey.pgm -o mesh.xyz
     'mesh' must end in one of                 | grey.pgm -o mesh
     '.svg' must end in one of                 | grey.pgm -o .svg
     'x.jpg' must end in .png                  | grey.pgm --render x.jpg

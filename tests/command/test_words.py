@@ -73,7 +73,7 @@ def test_the_script_knows_every_option(hmesh, shell):
 
 VALUES = {"--effort": "draft fast normal fine best", "--method": "annealed hierarchical xie adams adaptive_thinning",
           "--colors": "optimal sampled", "--fit-space": "stored linear each", "--svg": "gradient exact flat",
-          "--format": "ply obj glb pdf eps svg html", "--completion": "bash zsh fish"}
+          "--format": "ply obj glb pdf eps svg html hmc", "--completion": "bash zsh fish"}
 
 
 def bash(hmesh, *words):

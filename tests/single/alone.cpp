@@ -8,6 +8,7 @@
 
 bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
+bool compact_is_there();                               // compact.cpp
 bool lods_are_there();                                 // lods.cpp
 bool terrain_is_there();                               // terrain.cpp
 bool large_is_there();                                 // large.cpp
@@ -34,5 +35,6 @@ int main() {
     if (!lods_are_there()) return 7;
     if (!terrain_is_there()) return 8;
     if (!large_is_there()) return 9;
+    if (!compact_is_there()) return 10;
     return paper_is_there() ? 0 : 5;
 }

@@ -16,11 +16,13 @@
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "readers/image_set.hpp"
+#include "readers/readers.hpp"
 #include "readers/rectangles.hpp"
 #include "readers/weights.hpp"
 #include "results/made.hpp"
 #include "results/maps.hpp"
 #include "results/outline_files.hpp"
+#include "results/read_mesh.hpp"
 #include "results/report.hpp"
 #include "results/summary.hpp"
 #include "results/writing.hpp"
@@ -120,7 +122,8 @@ std::string read_inputs(const Arguments& arguments, Inputs& inputs) {
     if (arguments.out_of_core) {
         if (const std::string why = open_rectangles(arguments.input, inputs.image); !why.empty())
             return "cannot read " + input_words(arguments.input) + ": " + why;
-    } else if (const std::string why = read_image(arguments.input, inputs.image, inputs.bytes); !why.empty())
+    } else if (const std::string why = read_bytes_as_image({inputs.bytes.data(), inputs.bytes.size()}, inputs.image);
+               !why.empty())
         return "cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why);
     if (!has_output(arguments, ".html") || !arguments.original) std::vector<unsigned char>().swap(inputs.bytes);
     if (std::string why = join_maps(arguments, inputs); !why.empty()) return why;
@@ -204,10 +207,31 @@ std::string finish_levels(const Arguments& arguments, const ImageFile& image, co
     return {};
 }
 
+// The files and pictures of a mesh that was read.
+Failure convert(Arguments arguments, bool is_one_of_several, const std::vector<unsigned char>& bytes, ProgressWatch& watch) {
+    if (!arguments.of_images.empty()) return {means_nothing_to_mesh(arguments, arguments.input)};
+    ImageFile image;
+    Made made;
+    if (const std::string why = read_mesh(bytes, arguments, image, made); !why.empty())
+        return {"cannot read " + input_words(arguments.input) + ": " + why};
+    NewFolders folders;
+    if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
+    watch.begin_mesh(0, 0, writing_work(arguments, image));
+    if (std::string why = write_files(arguments, image, {}, made, {}, watch); !why.empty()) return {why};
+    made.seconds = watch.seconds();
+    watch.finish();
+    std::string why = tell(arguments, {}, [&](std::FILE* to) { print_read(to, arguments, image, made, is_one_of_several); });
+    return why.empty() ? Failure() : Failure{why, true, true};
+}
+
 Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     Inputs inputs;
     NewFolders folders;
+    if (!arguments.out_of_core)  // else it is read as it is meshed
+        if (const std::string why = read_file(arguments.input, inputs.bytes); !why.empty())
+            return {"cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why)};
+    if (is_mesh_file(inputs.bytes)) return convert(arguments, is_one_of_several, inputs.bytes, watch);
     if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
     const ImageFile& image = inputs.image;
     if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)

@@ -49,7 +49,8 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("Mesh files");
     add_list(app, "-o,--output", "FILE",
              "write the mesh; may be given more than once, and the ending chooses the format:\n"
-             ".ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it).\n"
+             ".ply .obj .glb (models), .pdf .eps .svg (drawings), .html (a page that shows it),\n"
+             ".hmc (the smallest, which hmesh reads: docs/compact.md).\n"
              "{name} in it is the name of the image, without folder and ending; folders of such\n"
              "names are made. - is the standard output, and the summary goes to stderr then",
              [&](const std::string& text) {
@@ -58,7 +59,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
              });
     const std::vector<std::string> formats = format_names();
     add(
-        app, "--format", "NAME", "ply, obj, glb, pdf, eps, svg or html: of -o - and of names that end in none of these",
+        app, "--format", "NAME", "ply, obj, glb, pdf, eps, svg, html or hmc: of -o - and of names that end in none of these",
         [&, formats](const std::string& text) {
             if (std::find(formats.begin(), formats.end(), text) == formats.end())
                 return "is not one of: " + joined(formats, ", ");
@@ -321,6 +322,7 @@ constexpr Note notes[] = {
      "  hmesh *.png -o out/{name}.glb --psnr 32 --max-vertices 20000 --json > reports.jsonl\n"
      "  hmesh icon.png -o icon.glb --sprite --max-vertices 500\n"
      "  hmesh icon.png -o icon.obj --outline --max-vertices 24\n"
+     "  hmesh photo.jpg -o photo.hmc && hmesh photo.hmc --render photo.png --render-scale 2\n"
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
     {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
 
@@ -495,9 +497,45 @@ std::string find_rectangle_conflict(const CLI::App& app, const Arguments& argume
     return {};
 }
 
+// An option that makes a mesh, or compares it with an image.
+std::string find_option_of_images(const CLI::App& app) {
+    for (const char* option : {"--vertices",
+                               "--rate",
+                               "--psnr",
+                               "--max-vertices",
+                               "--good-enough",
+                               "--effort",
+                               "--method",
+                               "--colors",
+                               "--fit-space",
+                               "--periodic",
+                               "--premultiplied",
+                               "--samples",
+                               "--border-tolerance",
+                               "--weights",
+                               "--with",
+                               "--grid",
+                               "--seed",
+                               "--channel-weights",
+                               "--tile",
+                               "--lods",
+                               "--sprite",
+                               "--outline",
+                               "--residual",
+                               "--strip",
+                               "--straight-border",
+                               "--report",
+                               "--json",
+                               "--keep-partial"})
+        if (app.count(option) != 0) return option;
+    return {};
+}
+
 // What is wrong with a command line of which each option is right by itself.
 std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
     if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
+    for (const std::string& input : inputs)
+        if (has_ending(input, ".hmc") && !arguments.of_images.empty()) return means_nothing_to_mesh(arguments, input);
     for (const MeshFile& mesh : arguments.meshes) {
         if (is_standard(mesh.name) && mesh.ending.empty())
             return "--output - needs --format, one of: " + joined(format_names(), ", ");
@@ -556,6 +594,10 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
 
 }  // namespace
 
+std::string means_nothing_to_mesh(const Arguments& arguments, const std::string& input) {
+    return arguments.of_images + " means nothing to '" + input + "', which is a mesh and no image";
+}
+
 std::vector<std::string> render_files(const Arguments& arguments) {
     const std::string& render = arguments.render;
     if (render.empty()) return {};
@@ -599,7 +641,8 @@ CommandLine parse(const std::vector<std::string>& words) {
     };
     app.add_option("IMAGE", set_inputs,
                    "image files: " + formats_read() +
-                       ";\n8 or 16 bits or floats, 1 to 4 channels; --version says what reads them. - is the standard\ninput")
+                       ";\n8 or 16 bits or floats, 1 to 4 channels; --version says what reads them. - is the standard\n"
+                       "input. A mesh of an .hmc file is drawn and written again")
         ->expected(1, CLI::detail::expected_max_vector_size)
         ->allow_extra_args()
         ->required();
@@ -610,6 +653,7 @@ CommandLine parse(const std::vector<std::string>& words) {
     try {
         line.wrong = parse_words(app, words, "no input image is given");
         if (!line.wrong.empty()) return line;
+        arguments.of_images = find_option_of_images(app);
         line.wrong = find_conflict(app, inputs, arguments);
         for (const std::string& input : inputs) {
             line.images.push_back(for_image(arguments, input));

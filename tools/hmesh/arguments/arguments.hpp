@@ -77,11 +77,15 @@ struct Arguments {
     bool json = false;                 // the report on the standard output, for the summary
     bool keep_partial = false;         // after an interrupt
     bool out_of_core = false;          // the image is read by rectangles
+    std::string of_images;             // an option that means nothing to a mesh that is read; empty: none is given
     std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name} or {lod}
 };
 
 // The pictures of --render: one, or where there are several maps one for each, with its name before the ending.
 [[nodiscard]] std::vector<std::string> render_files(const Arguments& arguments);
+
+// The sentence about its option `of_images`.
+[[nodiscard]] std::string means_nothing_to_mesh(const Arguments& arguments, const std::string& input);
 
 // Every file that the command writes for this image.
 [[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);

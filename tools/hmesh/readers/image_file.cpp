@@ -50,7 +50,9 @@ std::string read_bytes(std::FILE* file, std::vector<unsigned char>& bytes) {
     return size > INT_MAX ? "the file is larger than 2 GiB" : "";
 }
 
-std::string read_bytes(const std::string& path, std::vector<unsigned char>& bytes) {
+}  // namespace
+
+std::string read_file(const std::string& path, std::vector<unsigned char>& bytes) {
     if (is_standard(path)) {
         if (is_terminal(stdin)) return "it is a terminal, and no image";
         set_binary(stdin);
@@ -63,10 +65,8 @@ std::string read_bytes(const std::string& path, std::vector<unsigned char>& byte
     return read_bytes(file, bytes);
 }
 
-}  // namespace
-
 std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes) {
-    if (std::string why = read_bytes(path, bytes); !why.empty()) return why;
+    if (std::string why = read_file(path, bytes); !why.empty()) return why;
     return read_bytes_as_image({bytes.data(), bytes.size()}, image);
 }
 

@@ -26,6 +26,14 @@ struct ImageFile {
     int orientation = 1;  // of the picture in a PNG or JPEG file as Exif numbers them, 1 to 8; here it is upright
 };
 
+// Whether there are any: not of a mesh that was read from a file.
+[[nodiscard]] inline bool has_pixels(const ImageFile& image) noexcept {
+    return !image.samples8.empty() || !image.samples16.empty() || !image.samples32.empty();
+}
+
+// Reads a file of images, or one of a mesh, "-" being the standard input. Returns "" or what is wrong, as below.
+[[nodiscard]] std::string read_file(const std::string& path, std::vector<unsigned char>& bytes);
+
 // Reads the file, "-" being the standard input, and leaves its bytes as they are in `bytes`. Returns "" or what is wrong, as the
 // end of a sentence that begins with the file's name.
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes);

@@ -55,10 +55,12 @@ namespace detail {
                                            const std::vector<unsigned char>& bytes, const hmesh::Report& report) {
     WebPage page;
     page.title = is_standard(arguments.input) ? "standard input" : detail::file_name(arguments.input);
-    page.figures =
-        std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces\nPSNR " + psnr_text(report.psnr);
-    page.notes = "PSNR = " + psnr_formula(arguments);
-    if (!arguments.original) return page;
+    page.figures = std::to_string(report.vertices) + " vertices\n" + std::to_string(report.faces) + " faces";
+    if (has_pixels(image)) {
+        page.figures += "\nPSNR " + psnr_text(report.psnr);
+        page.notes = "PSNR = " + psnr_formula(arguments);
+    }
+    if (!arguments.original || !has_pixels(image)) return page;
     page.original_orientation = image.orientation;
     if (page.original = plain_png({bytes.data(), bytes.size()}); !page.original.empty()) return page;
     if (page.original = plain_jpeg({bytes.data(), bytes.size()}); !page.original.empty()) {

@@ -78,6 +78,11 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     return {};
 }
 
+// Of colours of a mesh of such samples: as many bits, and the very floats of floats.
+hmesh::CompactColors compact_colors(int bits) {
+    return bits == 8 ? hmesh::CompactColors::bits8 : bits == 16 ? hmesh::CompactColors::bits16 : hmesh::CompactColors::floats;
+}
+
 // What a file of this format holds of a level: its twin for linear light where there is one.
 hmesh::MeshView view_of(const Arguments& arguments, const Level& level, const std::string& ending) {
     const bool is_light = level.light && arguments.meshing.fit_space == FitSpace::each && ending == ".glb";
@@ -92,6 +97,8 @@ std::string write_meshes(const Arguments& arguments, const ImageFile& image, con
     options.glb_color_bits = arguments.glb_color_bits;
     options.groups = {groups.data(), groups.size()};
     options.svg.kind = arguments.svg;
+    options.compact.colors = compact_colors(image.bits);
+    options.compact.linear = arguments.meshing.fit_space == FitSpace::linear;
     for (const MeshFile& wanted : arguments.meshes) {
         std::vector<hmesh::MeshView> levels;
         for (const Level& level : made.levels) levels.push_back(view_of(arguments, level, wanted.ending));

@@ -18,17 +18,19 @@ namespace {
 constexpr double margin = 1e-4;  // dB
 
 // How a format keeps shares of full intensity.
-enum class Keeps : std::uint8_t { bytes, shorts, six_decimals, linear_shorts, linear_bytes };
+enum class Keeps : std::uint8_t { all, bytes, shorts, six_decimals, linear_shorts, linear_bytes };
 
 Keeps kept_by(const std::string& ending, double peak, int glb_color_bits) {
     if (ending == ".obj") return Keeps::six_decimals;
     if (ending == ".glb") return glb_color_bits == 8 ? Keeps::linear_bytes : Keeps::linear_shorts;
+    if (ending == ".hmc") return peak == 255 ? Keeps::bytes : peak == 65535 ? Keeps::shorts : Keeps::all;
     const bool is_page = ending == ".pdf" || ending == ".eps";
     return is_page && peak != 255 ? Keeps::shorts : Keeps::bytes;
 }
 
 double kept(Keeps keeps, double share, bool is_alpha) {
     switch (keeps) {
+        case Keeps::all: return share;
         case Keeps::bytes: return hmesh::detail::to_u8(share) / 255.0;
         case Keeps::shorts: return hmesh::detail::to_u16(share) / 65535.0;
         case Keeps::six_decimals: return std::floor(share * 1e6 + 0.5) / 1e6;
@@ -49,10 +51,11 @@ bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int c
 // The mesh that a reader of a file of this format has, with as many channels.
 hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending, int glb_color_bits) {
     using hmesh::detail::Premultiplied;
-    const bool is_html = ending == ".html";
-    const hmesh::detail::ExportMesh exported(mesh.view(), is_html ? Premultiplied::kept : Premultiplied::divided);
+    const bool is_kept = ending == ".html" || ending == ".hmc";
+    const hmesh::detail::ExportMesh exported(mesh.view(), is_kept ? Premultiplied::kept : Premultiplied::divided);
     const hmesh::MeshView& view = exported.view();
     const Keeps keeps = kept_by(ending, mesh.peak, glb_color_bits);
+    if (keeps == Keeps::all) return mesh;
     hmesh::Mesh out = mesh;
     out.premultiplied = view.premultiplied;
     const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);

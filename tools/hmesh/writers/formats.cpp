@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "hmesh/gpu.hpp"
+#include "hmesh/io/compact.hpp"
 #include "hmesh/io/eps.hpp"
 #include "hmesh/io/gltf.hpp"
 #include "hmesh/io/gltf_lods.hpp"
@@ -51,6 +52,8 @@ constexpr Format formats[] = {
                 hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, options.svg); }},
     {".html", [](const hmesh::MeshView& mesh, const FormatOptions& options,
                  hmesh::Sink sink) { return hmesh::write_html(mesh, sink, options.html); }},
+    {".hmc", [](const hmesh::MeshView& mesh, const FormatOptions& options,
+                hmesh::Sink sink) { return hmesh::write_compact(mesh, sink, options.compact); }},
 };
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/channel_groups.hpp"
+#include "hmesh/io/compact.hpp"
 #include "hmesh/io/html.hpp"
 #include "hmesh/io/sink.hpp"
 #include "hmesh/io/svg.hpp"
@@ -29,6 +30,7 @@ struct FormatOptions {
     hmesh::HtmlOptions html;
     GlbForm glb = GlbForm::exact;
     int glb_color_bits = 16;
+    hmesh::CompactOptions compact;
     hmesh::ChannelGroups groups;  // of .glb and .ply
 };
 

@@ -1,0 +1,430 @@
+/// \file
+/// write_compact() and read_compact(): a mesh in a file that is smaller than any other of it, and back.
+///
+/// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
+/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
+/// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
+/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
+///
+/// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
+/// images and of points. Colours are integers of 8 or 16 bits, or the very floats.
+///
+/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number
+/// of vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a
+/// vertex.
+#ifndef HMESH_IO_COMPACT_HPP
+#define HMESH_IO_COMPACT_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/assert.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/io/compact/arithmetic_coder.hpp"
+#include "hmesh/io/compact/body.hpp"
+#include "hmesh/io/compact/container.hpp"
+#include "hmesh/io/compact/flips.hpp"
+#include "hmesh/io/compact/plane.hpp"
+#include "hmesh/io/compact/sites.hpp"
+#include "hmesh/io/compact/triangulation.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
+#include "hmesh/io/sink.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/torus.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh {
+
+/// Options of write_compact().
+struct CompactOptions {
+    /// How colours are held. A mesh whose colours are whole 255ths or 65535ths of its peak comes back as it was from integers
+    /// too.
+    CompactColors colors = CompactColors::bits8;
+    /// Whether colours are for renderers that interpolate linear light, as fit_linear_light() makes them. The file keeps it.
+    bool linear = false;
+    /// Whether to write the bare profile: a head of 4 bytes and no checksum, for what is told its size by others, as data in a
+    /// page is. Of meshes with peak 255, colours of 8 bits, sides of 256 px at most and positions of whole px.
+    bool bare = false;
+};
+
+/// What read_compact() takes at most; what is more is refused before there is memory for it.
+struct CompactLimits {
+    std::int64_t max_vertices = 1048576;              ///< vertices, in [4, 2^24]; the corners of the frame among them
+    std::int64_t max_pixels = std::int64_t{1} << 32;  ///< width times height of the image, px
+};
+
+/// What read_compact() returns.
+struct [[nodiscard]] CompactMesh {
+    Mesh mesh;                                    ///< the mesh, or an empty one
+    bool linear = false;                          ///< whether its colours are for renderers that interpolate linear light
+    CompactColors colors = CompactColors::bits8;  ///< how the file holds its colours
+    Status status;                                ///< ok, or why there is none
+};
+
+namespace detail {
+
+/// A float as an integer of the same order, and back.
+[[nodiscard]] inline std::uint32_t ordered_bits(float value) noexcept {
+    std::uint32_t bits = 0;
+    std::memcpy(&bits, &value, 4);
+    return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
+}
+[[nodiscard]] inline float float_of_ordered(std::uint32_t bits) noexcept {
+    bits = (bits & 0x80000000U) != 0 ? bits & 0x7fffffffU : ~bits;
+    float value = 0;
+    std::memcpy(&value, &bits, 4);
+    return value;
+}
+
+/// A mesh on its way to a compact file: what it is, before a bit is coded.
+class CompactWriter {
+  public:
+    /// Of a mesh that outlives it.
+    explicit CompactWriter(const MeshView& mesh) noexcept : mesh_(&mesh) {}
+
+    /// Finds all that is to be written, or why the mesh cannot be.
+    [[nodiscard]] Status prepare(const CompactOptions& options) {
+        head_.channels = mesh_->channels;
+        head_.colors = options.colors;
+        head_.premultiplied = mesh_->premultiplied;
+        head_.linear = options.linear;
+        head_.periodic = mesh_->periodic;
+        head_.samples = mesh_->samples;
+        head_.width = mesh_->width;
+        head_.height = mesh_->height;
+        head_.peak = mesh_->peak;
+        if (const Status status = find_places(); !status) return status;
+        find_lattice(options.bare);
+        if (const Status status = find_points(); !status) return status;
+        if (const Status status = find_faces(); !status) return status;
+        find_colors();
+        if (head_.periodic != Periodic::none)
+            if (const Status status = check_periodic(*mesh_); !status) return status;
+        if (options.bare && !is_bare(head_))
+            return {Errc::invalid_argument,
+                    "a bare compact mesh must have peak 255, 8 bits, sides of 1 to 256 px, whole positions and no holes"};
+        return {};
+    }
+
+    /// The bytes, which are left as they are where it fails.
+    [[nodiscard]] Status put(bool is_bare_wanted, std::vector<std::uint8_t>& out) {
+        const std::vector<Triangle> wanted = body_.faces;
+        if (is_bare_wanted) {
+            put_bare_head(out, head_);
+        } else {
+            out.assign(compact_magic.begin(), compact_magic.end());
+            out.push_back(compact_version);
+            out.push_back(0);
+            out.resize(compact_checked);
+            put_head(out, head_);
+        }
+        ArithmeticCoder coder(out);
+        if (const Status status = code_body(coder, head_, body_, std::numeric_limits<std::size_t>::max()); !status) return status;
+        // Points and colours are what they are; the flips were found elsewhere than they were told.
+        HMESH_ASSERT(body_.faces == wanted);
+        if (body_.faces != wanted) return {Errc::invalid_argument, "the flips of a compact file do not lead to the mesh"};
+        coder.finish();
+        if (is_bare_wanted) return {};
+        const auto put_at = [&](std::size_t at, std::uint32_t value) {
+            for (std::size_t k = 0; k < 4; ++k) out[at + k] = static_cast<std::uint8_t>(value >> (8 * k) & 0xffU);
+        };
+        put_at(6, static_cast<std::uint32_t>(out.size()));
+        put_at(10, crc32(out.data() + compact_checked, out.size() - compact_checked, crc32(out.data(), 10)));
+        return {};
+    }
+
+  private:
+    using Index = Triangulation::Index;
+
+    // Positions in 1/256 px, and the rectangle that holds all.
+    [[nodiscard]] Status find_places() {
+        places_.reserve(mesh_->vertex_count);
+        GridPoint low{0, 0}, high{256 * mesh_->right(), 256 * mesh_->bottom()};
+        for (std::size_t v = 0; v < mesh_->vertex_count; ++v) {
+            std::array<std::int32_t, 2> at{};
+            for (std::size_t k = 0; k < 2; ++k) {
+                const double place = 256 * static_cast<double>(mesh_->positions[2 * v + k]);
+                if (place != std::floor(place) || std::abs(place) > 16777216)
+                    return {Errc::invalid_argument,
+                            "a compact file holds positions of whole 1/256 px up to 65536 px, not that of vertex",
+                            static_cast<std::int64_t>(v)};
+                at[k] = static_cast<std::int32_t>(place);
+            }
+            if (mesh_->periodic == Periodic::none &&
+                (at[0] < 0 || at[1] < 0 || at[0] > 256 * mesh_->right() || at[1] > 256 * mesh_->bottom()))
+                return {Errc::invalid_argument, "a compact file holds positions inside of the image, not that of vertex",
+                        static_cast<std::int64_t>(v)};
+            places_.push_back({at[0], at[1]});
+            low = {std::min(low.x, at[0]), std::min(low.y, at[1])};
+            high = {std::max(high.x, at[0]), std::max(high.y, at[1])};
+        }
+        head_.left = low.x;
+        head_.top = low.y;
+        head_.frame_width = static_cast<std::uint32_t>(high.x - low.x);
+        head_.frame_height = static_cast<std::uint32_t>(high.y - low.y);
+        for (GridPoint& place : places_) place = {place.x - low.x, place.y - low.y};
+        return {};
+    }
+    // The coarsest lattice that holds all positions.
+    void find_lattice(bool is_bare_wanted) noexcept {
+        std::uint32_t step = 0;
+        for (const GridPoint place : places_) {
+            if (place.x != static_cast<std::int32_t>(head_.frame_width))
+                step = std::gcd(step, static_cast<std::uint32_t>(place.x));
+            if (place.y != static_cast<std::int32_t>(head_.frame_height))
+                step = std::gcd(step, static_cast<std::uint32_t>(place.y));
+        }
+        if (step == 0) step = std::max(head_.frame_width, head_.frame_height);
+        head_.step = is_bare_wanted && step % 256 == 0 ? 256 : step;
+    }
+    // The points in the file's order, and which of them each vertex is.
+    [[nodiscard]] Status find_points() {
+        const auto [columns, rows] = lattice_of(head_);
+        std::array<std::vector<std::array<std::uint64_t, 2>>, 5> parts;  // the way to each site, and its vertex
+        const Halving inside(std::max(columns, 2U) - 1, std::max(rows, 2U) - 1);
+        point_of_.assign(places_.size(), Triangulation::none);
+        bool has_twins = false;
+        std::array<bool, 4> has_corner{};
+        for (std::size_t v = 0; v < places_.size(); ++v) {
+            const auto site = [&](std::int32_t place, std::uint32_t side) {
+                const auto at = static_cast<std::uint32_t>(place);
+                return at == side ? CompactHead::sites(side, head_.step) : at / head_.step;
+            };
+            const std::uint32_t x = site(places_[v].x, head_.frame_width), y = site(places_[v].y, head_.frame_height);
+            const bool on_side = y == 0 || y == rows, on_end = x == 0 || x == columns;
+            if (on_side && on_end) {
+                const std::size_t corner = y == 0 ? (x == 0 ? 0 : 1) : (x == 0 ? 3 : 2);
+                has_twins = has_twins || has_corner[corner];
+                has_corner[corner] = true;
+                point_of_[v] = static_cast<Index>(corner);
+                continue;
+            }
+            const std::size_t part = y == 0 ? 0 : x == columns ? 1 : y == rows ? 2 : x == 0 ? 3 : 4;
+            parts[part].push_back({part == 4 ? inside.way({x - 1, y - 1}) : on_side ? x - 1 : y - 1, v});
+        }
+        Index next = 4;
+        for (std::size_t part = 0; part < 5; ++part) {
+            std::sort(parts[part].begin(), parts[part].end());
+            for (std::size_t k = 0; k < parts[part].size(); ++k) {
+                const auto& [way, v] = parts[part][k];
+                has_twins = has_twins || (k > 0 && parts[part][k - 1][0] == way);
+                point_of_[v] = next++;
+                body_.sites[part].push_back(part == 4 ? inside.first(way, inside.levels())
+                                                      : Site{static_cast<std::uint32_t>(way), 0});
+            }
+        }
+        if (has_twins)
+            return {Errc::invalid_argument, "a compact file holds one vertex at a place, and the mesh has two somewhere"};
+        if (next > CompactHead::widest / 2)
+            return {Errc::invalid_argument, "a compact file holds at most 2^24 vertices", next, CompactHead::widest / 2};
+        is_vertex_.assign(next, false);
+        for (const Index point : point_of_) is_vertex_[point] = true;
+        return {};
+    }
+    // The flips that make the mesh's faces, and which faces these are.
+    [[nodiscard]] Status find_faces() {
+        const std::vector<GridPoint> points = points_of(head_, body_);
+        std::vector<Triangle> faces(mesh_->face_count);
+        std::vector<std::array<Index, 2>> edges;
+        edges.reserve(3 * faces.size());
+        std::vector<bool> is_corner(points.size(), false);
+        for (std::size_t f = 0; f < faces.size(); ++f) {
+            for (std::size_t k = 0; k < 3; ++k) faces[f][k] = point_of_[mesh_->faces[f][k]];
+            if (orientation(points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]) <= 0)
+                return {Errc::invalid_argument, "a compact file holds faces that are positively oriented, not face",
+                        static_cast<std::int64_t>(f)};
+            std::rotate(faces[f].begin(), std::min_element(faces[f].begin(), faces[f].end()), faces[f].end());
+            for (std::size_t k = 0; k < 3; ++k) {
+                const Index a = faces[f][k], b = faces[f][(k + 1) % 3];
+                edges.push_back({std::min(a, b), std::max(a, b)});
+                is_corner[a] = true;
+            }
+        }
+        for (std::size_t v = 0; v < point_of_.size(); ++v)
+            if (!is_corner[point_of_[v]])
+                return {Errc::invalid_argument, "a compact file holds vertices that are corners of faces, not vertex",
+                        static_cast<std::int64_t>(v)};
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        Triangulation whole(points);
+        FlipFinder finder(whole);
+        const Status overlap(Errc::invalid_argument, "a compact file holds faces that meet in whole edges and do not overlap");
+        if (!finder.insert(edges)) return overlap;
+        body_.flips = finder.flips();
+        if (body_.flips.size() > FlipCoder::most_flips(points.size()))
+            return {Errc::invalid_argument,
+                    "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips", body_.flips.size(),
+                    FlipCoder::most_flips(points.size())};
+        // Its edges are there, so that each of its faces is, unless something lies in it.
+        body_.faces = all_faces(whole);
+        const std::vector<Triangle>& all = body_.faces;
+        std::sort(faces.begin(), faces.end());
+        body_.shown.assign(all.size(), false);
+        std::size_t found = 0;
+        for (std::size_t f = 0; f < all.size(); ++f)
+            if (found < faces.size() && all[f] == faces[found]) {
+                body_.shown[f] = true;
+                ++found;
+            }
+        if (found < faces.size()) return overlap;
+        head_.is_masked = found < all.size();
+        return {};
+    }
+    void find_colors() {
+        const auto channels = static_cast<std::size_t>(head_.channels);
+        body_.colors.assign(channels * is_vertex_.size(), 0);
+        for (std::size_t v = 0; v < point_of_.size(); ++v)
+            for (std::size_t k = 0; k < channels; ++k) {
+                const float value = mesh_->colors[channels * v + k];
+                std::uint32_t& number = body_.colors[channels * point_of_[v] + k];
+                if (head_.colors == CompactColors::floats) number = ordered_bits(value);
+                else if (head_.colors == CompactColors::bits8) number = to_u8(share_of_peak(value, mesh_->peak));
+                else number = to_u16(share_of_peak(value, mesh_->peak));
+            }
+    }
+
+    const MeshView* mesh_;
+    CompactHead head_;
+    CompactBody body_;
+    std::vector<GridPoint> places_;
+    std::vector<Index> point_of_;  // of each vertex
+    std::vector<bool> is_vertex_;  // of each point
+};
+
+/// The mesh of a head and a body. Not finite colours, which floats can be, are refused.
+[[nodiscard]] inline Status to_mesh(const CompactHead& head, const CompactBody& body, Mesh& mesh) {
+    const auto channels = static_cast<std::size_t>(head.channels);
+    const std::vector<GridPoint> points = points_of(head, body);
+    std::vector<std::uint32_t> vertex_of(points.size());
+    std::uint32_t next = 0;
+    for (std::size_t p = 0; p < points.size(); ++p) {
+        vertex_of[p] = next;
+        if (!body.used[p]) continue;
+        ++next;
+        mesh.positions.push_back(static_cast<float>(points[p].x + head.left) / 256);
+        mesh.positions.push_back(static_cast<float>(points[p].y + head.top) / 256);
+        for (std::size_t k = 0; k < channels; ++k) {
+            const std::uint32_t number = body.colors[channels * p + k];
+            float value = 0;
+            if (head.colors == CompactColors::floats) value = float_of_ordered(number);
+            else
+                value = static_cast<float>(std::min(number * head.color_step, head.most_color()) * head.peak / head.most_color());
+            if (!kit::is_finite(value))
+                return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
+            mesh.colors.push_back(value);
+        }
+    }
+    for (std::size_t f = 0; f < body.faces.size(); ++f)
+        if (body.shown[f])
+            mesh.faces.push_back({vertex_of[body.faces[f][0]], vertex_of[body.faces[f][1]], vertex_of[body.faces[f][2]]});
+    mesh.channels = head.channels;
+    mesh.width = head.width;
+    mesh.height = head.height;
+    mesh.peak = head.peak;
+    mesh.premultiplied = head.premultiplied;
+    mesh.periodic = head.periodic;
+    mesh.samples = head.samples;
+    return {};
+}
+
+/// Reads what follows the magic and the checksum.
+[[nodiscard]] inline Status get_compact(ByteReader& in, bool is_bare_wanted, const CompactLimits& limits, CompactMesh& out) {
+    CompactHead head;
+    if (const Status status = is_bare_wanted ? get_bare_head(in, head) : get_head(in, head); !status) return status;
+    const std::int64_t pixels = std::int64_t{head.width} * head.height;
+    if (pixels > limits.max_pixels)
+        return {Errc::image_too_large, "the compact mesh's image has more pixels than are allowed", pixels, limits.max_pixels};
+    ArithmeticCoder coder(in.next(), in.left());
+    CompactBody body;
+    if (const Status status = code_body(coder, head, body, static_cast<std::size_t>(limits.max_vertices)); !status) return status;
+    if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
+    out.linear = head.linear;
+    out.colors = head.colors;
+    if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
+    return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
+}
+
+}  // namespace detail
+
+/// Writes a mesh of 1 to 4 channels as a compact file. A mesh that has no size, numbers that are not finite, positions off the
+/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise
+/// than edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOptions& options = {}) {
+    constexpr std::uint64_t most = detail::CompactHead::widest / 2;
+    if (const Status status =
+            detail::check_counts(mesh, most, 2 * most, "the mesh has more vertices or faces than a compact file holds");
+        !status)
+        return status;
+    if (const Status status = detail::check_for_export(mesh, 4); !status) return status;
+    for (const int side : {mesh.width, mesh.height})
+        if (side > 65536) return {Errc::image_too_large, "a compact file holds images of sides up to 65536 px", side, 65536};
+    detail::CompactWriter writer(mesh);
+    if (const Status status = writer.prepare(options); !status) return status;
+    std::vector<std::uint8_t> bytes;
+    if (const Status status = writer.put(options.bare, bytes); !status) return status;
+    detail::Writer out(sink);
+    out.bytes(bytes.data(), bytes.size());
+    return out.finish();
+}
+
+namespace detail {
+
+[[nodiscard]] inline Status check(const CompactLimits& limits) noexcept {
+    return kit::check_ranges(
+        {{"limits.max_vertices must be in [4, 2^24]", static_cast<double>(limits.max_vertices), 4, 16777216},
+         {"limits.max_pixels must be in [1, 2^32]", static_cast<double>(limits.max_pixels), 1, 4294967296.0}});
+}
+
+}  // namespace detail
+
+/// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status
+/// that says so, and an empty mesh.
+inline CompactMesh read_compact(const void* bytes, std::size_t size, const CompactLimits& limits = {}) {
+    CompactMesh out;
+    out.status = detail::check(limits);
+    if (!out.status) return out;
+    const auto* const from = static_cast<const std::uint8_t*>(bytes);
+    const auto refuse = [&](const char* what, double value = 0, double limit = 0) {
+        out.status = {Errc::invalid_argument, what, value, limit};
+        return out;
+    };
+    if (size < detail::compact_checked || !std::equal(detail::compact_magic.begin(), detail::compact_magic.end(), from))
+        return refuse("these bytes are no compact mesh");
+    if (from[4] != detail::compact_version || from[5] != 0)
+        return refuse("the compact mesh is of a version that is not known", from[4], detail::compact_version);
+    detail::ByteReader in(from + 6, size - 6);
+    if (const std::uint32_t said = in.u32(); said != size)
+        return refuse("the compact mesh has another size than it says", static_cast<double>(size), said);
+    if (in.u32() != detail::crc32(in.next(), in.left(), detail::crc32(from, 10)))
+        return refuse("the compact mesh is damaged: its checksum does not fit");
+    out.status = detail::get_compact(in, false, limits, out);
+    if (!out.status) out.mesh = {};
+    return out;
+}
+
+/// Reads the bare profile, which has no checksum: damage is found where it shows, and else gives another mesh.
+inline CompactMesh read_bare_compact(const void* bytes, std::size_t size, const CompactLimits& limits = {}) {
+    CompactMesh out;
+    out.status = detail::check(limits);
+    if (!out.status) return out;
+    detail::ByteReader in(static_cast<const std::uint8_t*>(bytes), size);
+    out.status = detail::get_compact(in, true, limits, out);
+    if (!out.status) out.mesh = {};
+    return out;
+}
+
+}  // namespace hmesh
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_IO_COMPACT_HPP

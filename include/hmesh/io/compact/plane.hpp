@@ -1,0 +1,84 @@
+/// \file
+/// Exact plane geometry in whole numbers: orientation, circles, angles.
+///
+/// Coordinates are in steps of 1/256 px and differ by at most 2^25. Nothing here rounds, so that every machine decides alike; a
+/// triangle (a, b, c) is positive if orientation(a, b, c) > 0, which looks clockwise on the screen as y runs down.
+#ifndef HMESH_IO_COMPACT_PLANE_HPP
+#define HMESH_IO_COMPACT_PLANE_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::detail {
+
+/// A point with whole coordinates.
+struct GridPoint {
+    std::int32_t x = 0,                                                                                       ///< to the right
+        y = 0;                                                                                                ///< down
+    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< at one place
+};
+
+/// Twice the signed area of (a, b, c): at most 2^51.
+[[nodiscard]] constexpr std::int64_t orientation(GridPoint a, GridPoint b, GridPoint c) noexcept {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
+}
+/// The scalar product of the ways from p to a and from p to b.
+[[nodiscard]] constexpr std::int64_t scalar_product(GridPoint p, GridPoint a, GridPoint b) noexcept {
+    return (std::int64_t{a.x} - p.x) * (std::int64_t{b.x} - p.x) + (std::int64_t{a.y} - p.y) * (std::int64_t{b.y} - p.y);
+}
+
+/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| <= 2^51. In digits of 26 bits no product and no sum leaves 64 bits.
+[[nodiscard]] inline int sign_of_sum(const std::array<std::int64_t, 3>& a, const std::array<std::int64_t, 3>& b) noexcept {
+    constexpr std::int64_t base = std::int64_t{1} << 26;
+    std::int64_t high = 0, middle = 0, low = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::int64_t a1 = a[k] / base, a0 = a[k] % base, b1 = b[k] / base, b0 = b[k] % base;
+        high += a1 * b1;
+        middle += a1 * b0 + a0 * b1;
+        low += a0 * b0;
+    }
+    // Carried, a digit is smaller than the base in magnitude, so the first that is not 0 decides, whatever its signs are.
+    middle += low / base, low %= base;
+    high += middle / base, middle %= base;
+    const std::int64_t first = high != 0 ? high : middle != 0 ? middle : low;
+    return first > 0 ? 1 : first < 0 ? -1 : 0;
+}
+
+/// The place of d relative to the circle through the positive a, b, c: 1 inside, 0 on it, -1 outside.
+[[nodiscard]] inline int in_circle_sign(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    const std::int64_t ax = std::int64_t{a.x} - d.x, ay = std::int64_t{a.y} - d.y, bx = std::int64_t{b.x} - d.x,
+                       by = std::int64_t{b.y} - d.y, cx = std::int64_t{c.x} - d.x, cy = std::int64_t{c.y} - d.y;
+    const std::int64_t sa = ax * ax + ay * ay, sb = bx * bx + by * by, sc = cx * cx + cy * cy;
+    const std::int64_t pa = bx * cy - cx * by, pb = cx * ay - ax * cy, pc = ax * by - bx * ay;
+    // Of distances below 2^15 each product is below 2^61: |p| is at most half of the sum of two squares.
+    constexpr std::int64_t near = std::int64_t{1} << 30;
+    if (sa < near && sb < near && sc < near) {
+        const std::int64_t sum = sa * pa + sb * pb + sc * pc;
+        return sum > 0 ? 1 : sum < 0 ? -1 : 0;
+    }
+    return sign_of_sum({sa, sb, sc}, {pa, pb, pc});
+}
+
+/// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn: 0 to 63, of which 31 is up to a right angle.
+[[nodiscard]] inline int angle64(GridPoint p, GridPoint a, GridPoint b) noexcept {
+    // 64 cot(k pi / 64), rounded, for k = 1 .. 32.
+    static constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107,
+                                                             96,   86,  78,  71,  64,  58,  53,  47,  43,  38,  34,
+                                                             30,   27,  23,  19,  16,  13,  9,   6,   3,   0};
+    const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
+    const std::int64_t size = 64 * (product < 0 ? -product : product);
+    // Cotangents fall: how many of the first 31 are above that of the angle. Without branches, which nobody could foretell.
+    std::size_t above = 0;
+    for (const std::size_t step : {16U, 8U, 4U, 2U, 1U}) above += size < cotangents[above + step - 1] * area ? step : 0;
+    const int k = static_cast<int>(above);
+    return product >= 0 ? k : 63 - k;
+}
+
+}  // namespace hmesh::detail
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_IO_COMPACT_PLANE_HPP

@@ -1,0 +1,75 @@
+"""Compact files: written, read to pictures and to every other format, and refused."""
+import shutil
+import struct
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+import hmc
+from conftest import is_png, ply_header, read
+
+
+@pytest.mark.parametrize("image, options", [
+    ("picture.png", "--vertices 200"), ("grey16.pgm", ""), ("rgba.tga", "--premultiplied"), ("grey_alpha.tga", "--sprite"),
+    ("picture.png", "--periodic xy"), ("grey.pgm", "--samples points"), ("picture.png", "--fit-space linear")])
+def test_a_compact_file_holds_the_mesh(hmesh, image, options):
+    hmesh.done(f"{image} {options} -o x.hmc --render made.png --wireframe edges.png")
+    out = hmesh.done("x.hmc -o y.ply -o y.glb -o y.html -o y.hmc --render read.png --wireframe again.png")
+    assert "written   y.hmc" in out and "PSNR" not in out
+    assert read("x.hmc") == read("y.hmc")
+    assert read("made.png") == read("read.png") and read("edges.png") == read("again.png")
+    assert len(read("x.hmc")) < 0.4 * len(read("y.ply"))
+
+
+def test_it_is_drawn_at_any_size_read_from_the_standard_input_and_one_of_several(hmesh):
+    hmesh.done("picture.png --vertices 50 -o a.hmc")
+    hmesh.done("a.hmc --render large.png --render-scale 3")
+    assert is_png("large.png", (288, 192))
+    with open("a.hmc", "rb") as stream:
+        assert hmesh.run("- -o b.ply", stdin=stream).returncode == 0
+    assert "element vertex 50" in ply_header("b.ply")
+    out = hmesh.done("a.hmc picture.png -o {name}.obj")
+    assert "a.hmc: 50 vertices, " in out and "picture.png: " in out
+
+
+@pytest.mark.parametrize("option", ["--vertices 9", "--effort draft", "--residual r.png", "--json", "--sprite", "--with grey.pgm"])
+def test_options_that_make_meshes_mean_nothing_to_it(hmesh, option):
+    hmesh.done("picture.png --vertices 50 -o a.hmc")
+    sentence = f"hmesh: {option.split()[0]} means nothing to 'a.hmc', which is a mesh and no image\n"
+    run = hmesh.run(f"a.hmc {option} -o a.ply")
+    assert run.returncode == 2 and run.stderr.startswith(sentence)
+    shutil.copy("a.hmc", "b")  # known by its content
+    hmesh.fails(sentence.replace("a.hmc", "b")[:-1], f"b {option} -o a.ply")
+
+
+def test_damage_is_told(hmesh):
+    hmesh.done("picture.png --vertices 50 -o a.hmc")
+    whole = read("a.hmc")
+    for name, content, why in [("cut.hmc", whole[:-1], "has another size than it says"),
+                               ("odd.hmc", whole[:40] + bytes([whole[40] ^ 1]) + whole[41:], "its checksum does not fit"),
+                               ("new.hmc", whole[:4] + b"\2" + whole[5:], "of a version that is not known (2, limit 1)")]:
+        Path(name).write_bytes(content)
+        hmesh.fails(why, f"{name} -o x.ply")
+
+
+@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare"])
+def test_another_decoder_reads_what_the_library_does(name):
+    file = Path(__file__).parent.parent / "golden" / "compact" / name
+    size, vertices, faces = hmc.read_compact(file.with_suffix(".hmc").read_bytes(), name == "bare")
+    lines = [size, [len(vertices)], *vertices, [len(faces)], *faces]
+    assert [" ".join(map(str, line)) for line in lines] == file.with_suffix(".txt").read_text(encoding="ascii").splitlines()
+
+
+@pytest.mark.parametrize("options", ["picture.png --vertices 26", "picture.png --vertices 16 --periodic xy", "grey16.pgm --vertices 20",
+                                     "rgba.tga --vertices 24 --sprite", "grey.pgm --samples points --vertices 20"])
+def test_another_decoder_reads_what_the_command_writes(hmesh, options):
+    hmesh.done(f"{options} -o x.hmc -o x.ply")
+    _, vertices, faces = hmc.read_compact(read("x.hmc"))
+    head = ply_header("x.ply")
+    assert f"element vertex {len(vertices)}" in head and f"element face {len(faces)}" in head
+    height = int(Image.open(options.split()[0]).size[1]) - (1 if "points" in options else 0)
+    body = read("x.ply").partition(b"end_header\n")[2]
+    size = len([line for line in head if line.startswith("property uchar")]) + 12
+    places = sorted(struct.unpack_from("<2f", body, size * k) for k in range(len(vertices)))
+    assert places == sorted((v[0] / 256, height - v[1] / 256) for v in vertices)

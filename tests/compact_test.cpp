@@ -1,0 +1,420 @@
+#include "hmesh/io/compact.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "compact_meshes.hpp"
+#include "hmesh/core/random.hpp"
+#include "hmesh/core/status.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/torus.hpp"
+#include "test_exports.hpp"
+#include "test_sanitized.hpp"
+
+#ifndef HMESH_TEST_SOURCE
+#define HMESH_TEST_SOURCE "tests"  // seen from the repository's root
+#endif
+
+using hmesh::CompactColors;
+using hmesh::CompactMesh;
+using hmesh::CompactOptions;
+using hmesh::Errc;
+using hmesh::Mesh;
+using hmesh_test::Bytes;
+using hmesh_test::MeshKind;
+using hmesh_test::random_mesh;
+
+namespace {
+
+Bytes compact(const Mesh& mesh, const CompactOptions& options = {}) {
+    return hmesh_test::exported(
+        mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return write_compact(view, sink, options); });
+}
+CompactMesh read(const Bytes& bytes) { return hmesh::read_compact(bytes.data(), bytes.size()); }
+CompactMesh read_bare(const Bytes& bytes) { return hmesh::read_bare_compact(bytes.data(), bytes.size()); }
+
+// A status without a byte written.
+hmesh::Status refusal(const Mesh& mesh, const CompactOptions& options = {}) {
+    bool is_called = false;
+    const auto sink = [&](const void*, std::size_t) { return is_called = true; };
+    const hmesh::Status status = write_compact(mesh.view(), sink, options);
+    CHECK(!is_called);
+    return status;
+}
+
+// What a file that was changed must be for the reader to look at more than its checksum.
+void seal(Bytes& bytes) {
+    const auto put = [&](std::size_t at, std::size_t value) {
+        for (std::size_t k = 0; k < 4; ++k) bytes[at + k] = static_cast<unsigned char>(value >> (8 * k) & 0xffU);
+    };
+    if (bytes.size() < 14) return;
+    put(6, bytes.size());
+    std::uint32_t crc = 0xffffffffU;  // bit by bit
+    for (std::size_t i = 0; i < bytes.size(); ++i) {
+        if (i >= 10 && i < 14) continue;
+        crc ^= bytes[i];
+        for (int k = 0; k < 8; ++k) crc = (crc & 1U) != 0 ? crc >> 1 ^ 0xedb88320U : crc >> 1;
+    }
+    put(10, ~crc);
+}
+
+// Whether faces turn one way and no two share a side: then they do not overlap, as those of a whole rectangle are its area.
+bool is_tiling(const Mesh& mesh) {
+    if (!hmesh::check(mesh, 4)) return false;
+    std::set<std::pair<std::uint32_t, std::uint32_t>> sides;
+    double area = 0;
+    for (const hmesh::Triangle& face : mesh.faces) {
+        const auto at = [&](std::size_t k, std::size_t axis) { return static_cast<double>(mesh.positions[2 * face[k] + axis]); };
+        const double twice = (at(1, 0) - at(0, 0)) * (at(2, 1) - at(0, 1)) - (at(2, 0) - at(0, 0)) * (at(1, 1) - at(0, 1));
+        if (twice <= 0) return false;
+        area += twice / 2;
+        for (std::size_t k = 0; k < 3; ++k)
+            if (!sides.insert({face[k], face[(k + 1) % 3]}).second) return false;
+    }
+    return area <= static_cast<double>(mesh.view().right()) * mesh.view().bottom() || mesh.periodic != hmesh::Periodic::none;
+}
+
+std::vector<MeshKind> kinds() {
+    std::vector<MeshKind> all(16);
+    all[1] = {1, 1, 1, 40, 0, 60, 1, 0};
+    all[2] = {1, 1, 256, 4, 0, 4, 4, 0};
+    all[3] = {65536, 1, 1, 25, 0, 40, 3, 0};
+    all[4] = {65536, 65536, 1, 25, 0, 40, 2, 0};
+    all[5] = {100, 70, 1, 120, 0, 400, 3, 0};      // far from Delaunay
+    all[6] = {100, 70, 256, 120, 0, 100, 3, 0};    // many on a circle
+    all[7] = {8, 8, 256, 400, 0, 200, 3, 0};       // all sites
+    all[8] = {100, 70, 1, 60, 1, 0, 3, 0};         // on two sides
+    all[9] = {100, 2, 1, 80, 2, 300, 3, 0};        // on three lines
+    all[10] = {200, 150, 16, 60, 0, 100, 4, 0.2};  // holes
+    all[11] = {200, 150, 1, 60, 0, 100, 4, 0.95};  // pieces that touch in a point, or not
+    all[12] = {3, 65536, 4, 30, 0, 80, 1, 0.3};
+    all[13] = {16, 16, 1, 0, 0, 0, 3, 0};  // two faces
+    all[14] = {16, 16, 1, 0, 0, 9, 3, 1};  // none
+    all[15] = {300, 200, 1, 500, 0, 700, 3, 0};
+    return all;
+}
+
+}  // namespace
+
+TEST_CASE("meshes of all kinds come back as they were, and give the same bytes again") {
+    std::uint64_t seed = 0;
+    for (const MeshKind& kind : kinds())
+        for (std::size_t repeat = 0; repeat < 6; repeat += hmesh_test::stride_if_sanitized(3)) {
+            const Mesh mesh = random_mesh(kind, ++seed);
+            CAPTURE(seed);
+            const Bytes bytes = compact(mesh);
+            const CompactMesh back = read(bytes);
+            REQUIRE(back.status);
+            CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+            CHECK(compact(back.mesh) == bytes);
+        }
+}
+
+TEST_CASE("a vertex with spokes to all others, and strips along it, come back") {
+    Mesh mesh = hmesh_test::two_faces(3);
+    mesh.width = mesh.height = 64;
+    mesh.positions = {0, 0, 64, 0, 64, 64, 0, 64};
+    // The left side sees the lower right corner, and the right side the upper left one.
+    mesh.faces = {{0, 1, 2}};
+    for (std::uint32_t k = 1; k < 60; ++k) {
+        mesh.positions.insert(mesh.positions.end(), {0, static_cast<float>(64 - k)});
+        mesh.colors.insert(mesh.colors.end(), {static_cast<float>(k), 7, 9});
+        mesh.faces.push_back({2, k == 1 ? 3 : k + 2, k + 3});
+    }
+    mesh.faces.push_back({2, 62, 0});
+    const CompactMesh back = read(compact(mesh));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+}
+
+TEST_CASE("a mesh whose edges are found by flips of which some undo others comes back") {
+    const Mesh mesh = random_mesh({100, 70, 1, 200, 0, 3000, 3, 0}, 19);
+    const CompactMesh back = read(compact(mesh));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+}
+
+TEST_CASE("what is said of the image is kept") {
+    Mesh mesh = random_mesh({}, 3);
+    for (const bool points : {false, true})
+        for (const bool premultiplied : {false, true})
+            for (const bool linear : {false, true}) {
+                mesh = random_mesh({16, 16, 1, 30, 0, 10, 4, 0}, 3);
+                mesh.premultiplied = premultiplied;
+                if (points) mesh.samples = hmesh::Samples::points, mesh.width = mesh.height = 17;
+                CompactOptions options;
+                options.linear = linear;
+                const CompactMesh back = read(compact(mesh, options));
+                REQUIRE(back.status);
+                CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+                CHECK(back.linear == linear);
+            }
+}
+
+TEST_CASE("colours come back from 16 bits and from floats to the bit") {
+    Mesh mesh = random_mesh({}, 4);
+    mesh.peak = 65535;
+    hmesh::kit::Random random(5);
+    for (float& value : mesh.colors) value = static_cast<float>(random.below(65536));
+    CompactOptions options;
+    options.colors = CompactColors::bits16;
+    CHECK(hmesh_test::difference(mesh, read(compact(mesh, options)).mesh) == "");
+
+    mesh.peak = 0.37;
+    constexpr auto most = std::numeric_limits<float>::max();
+    for (float& value : mesh.colors) value = static_cast<float>(2 * random.uniform() - 1) * (random.below(9) == 0 ? most : 1.0F);
+    mesh.colors[0] = -0.0F;
+    options.colors = CompactColors::floats;
+    const CompactMesh back = read(compact(mesh, options));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+    CHECK(compact(back.mesh, options) == compact(mesh, options));
+}
+
+TEST_CASE("colours that integers do not hold are rounded as those of other files, and held to their range") {
+    Mesh mesh = hmesh_test::two_faces(1);
+    mesh.colors = {-3, 10.4F, 10.6F, 300};
+    const CompactMesh back = read(compact(mesh));
+    CHECK(std::multiset<float>(back.mesh.colors.begin(), back.mesh.colors.end()) == std::multiset<float>{0, 10, 11, 255});
+}
+
+TEST_CASE("a periodic mesh with a jagged cut comes back, and one that does not join itself is refused") {
+    // One period of x: the left and the right side are the same zigzag.
+    Mesh mesh = hmesh_test::two_faces(3);
+    mesh.periodic = hmesh::Periodic::x;
+    mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, 2, 2, -1, 2};
+    mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, -1, 2, 2, 2};
+    mesh.colors = {1, 2, 3, 1, 2, 3, 7, 8, 9, 7, 8, 9, 4, 5, 6, 4, 5, 6};
+    mesh.faces = {{0, 1, 3}, {1, 2, 3}, {3, 5, 4}, {3, 2, 5}};
+    REQUIRE(hmesh::check_periodic(mesh.view()));
+    const CompactMesh back = read(compact(mesh));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+    mesh.colors[0] = 50;
+    CHECK(refusal(mesh).code == Errc::invalid_argument);
+}
+
+TEST_CASE("what a compact file cannot hold is refused before a byte is written") {
+    const Mesh good = hmesh_test::two_faces(3);
+    const auto refused = [&](auto&& spoil) {
+        Mesh mesh = good;
+        spoil(mesh);
+        return refusal(mesh).code == Errc::invalid_argument;
+    };
+    CHECK(compact(good).size() > 14);
+    CHECK(refused([](Mesh& m) { m.positions[2] = 2.999F; }));                  // off the grid
+    CHECK(refused([](Mesh& m) { m.positions[2] = 4; }));                       // outside of the image
+    CHECK(refused([](Mesh& m) { std::swap(m.faces[0][0], m.faces[0][1]); }));  // turned over
+    CHECK(refused([](Mesh& m) { m.faces[1] = {0, 1, 3}; }));                   // overlapping
+    CHECK(refused([](Mesh& m) { m.faces.push_back(m.faces[0]); }));            // twice
+    CHECK(refused([](Mesh& m) { m.faces.pop_back(); }));                       // a vertex without a face
+    CHECK(refused([](Mesh& m) { m.positions = {0, 0, 3, 0, 3, 2, 0, 0}; }));   // two at a place
+    CHECK(refused([](Mesh& m) { m.faces[0] = {0, 1, 1}; }));                   // without an area
+    CHECK(refused([](Mesh& m) {                                                // a vertex on a side of a face
+        m.positions.insert(m.positions.end(), {1.5F, 1, 1, 2});
+        m.colors.resize(18, 5);
+        m.faces = {{0, 1, 2}, {0, 4, 3}, {4, 5, 3}};
+    }));
+    for (const int width : {0, -1, 65537}) {
+        Mesh mesh = good;
+        mesh.width = width;
+        CHECK(!refusal(mesh));
+    }
+    Mesh five = good;
+    five.channels = 5;
+    five.colors.resize(20);
+    CHECK(refusal(five).code == Errc::invalid_argument);
+    Mesh odd = good;
+    odd.colors[3] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(refusal(odd).code == Errc::not_finite);
+}
+
+TEST_CASE("a sink that refuses bytes is told of") {
+    const Mesh mesh = random_mesh({}, 1);
+    CHECK(write_compact(mesh.view(), [](const void*, std::size_t) { return false; }).code == Errc::write_failed);
+}
+
+TEST_CASE("a Delaunay mesh costs its points and colours, and next to nothing for faces") {
+    const auto size = [](std::size_t flips) {
+        Mesh mesh = random_mesh({512, 512, 1, 1500, 0, flips, 1, 0}, 11);
+        for (float& value : mesh.colors) value = 77;
+        return static_cast<double>(compact(mesh).size());
+    };
+    const double plain = size(0), flipped = size(3000);
+    CHECK(plain < 1500 * 25.6 / 8);  // log2(512^2 256^2 / 1500) + log2(e) = 24.9 bits, and what is learnt
+    CHECK(flipped > plain + 200);
+}
+
+TEST_CASE("the bare profile has a head of four bytes and comes back") {
+    for (int channels = 1; channels <= 4; ++channels) {
+        const Mesh mesh = random_mesh({96, 64, 256, 40, 0, 60, channels, 0}, 8);
+        CompactOptions options;
+        const std::size_t whole = compact(mesh, options).size();
+        options.bare = true;
+        const Bytes bytes = compact(mesh, options);
+        CHECK(bytes.size() < whole - 10);
+        CHECK(bytes[1] == 95);
+        CHECK(bytes[2] == 63);
+        const CompactMesh back = read_bare(bytes);
+        REQUIRE(back.status);
+        CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+        CHECK(!read(bytes).status);
+    }
+    CompactOptions bare;
+    bare.bare = true;
+    CHECK(refusal(random_mesh({96, 64, 128, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);    // half px
+    CHECK(refusal(random_mesh({257, 64, 256, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);   // too wide
+    CHECK(refusal(random_mesh({96, 64, 256, 40, 0, 60, 3, 0.5}, 8), bare).code == Errc::invalid_argument);  // holes
+}
+
+TEST_CASE("limits are kept, and their values checked") {
+    const Bytes bytes = compact(random_mesh({}, 2));
+    const std::size_t vertices = read(bytes).mesh.vertex_count();
+    const auto status = [&](std::int64_t most, std::int64_t pixels) {
+        hmesh::CompactLimits limits;
+        limits.max_vertices = most;
+        limits.max_pixels = pixels;
+        return hmesh::read_compact(bytes.data(), bytes.size(), limits).status;
+    };
+    const auto n = static_cast<std::int64_t>(vertices);
+    CHECK(status(n, 256));
+    CHECK(!status(n - 1, 256));
+    CHECK(status(n - 1, 256).value == doctest::Approx(static_cast<double>(n)));
+    CHECK(status(n, 255).code == Errc::image_too_large);
+    CHECK(status(3, 256).code == Errc::invalid_argument);
+    CHECK(status(n, 0).code == Errc::invalid_argument);
+}
+
+TEST_CASE("a file cut anywhere, or with any bit turned, is refused") {
+    for (const MeshKind& kind : {MeshKind{}, MeshKind{200, 150, 16, 20, 0, 30, 4, 0.3}, MeshKind{1, 1, 1, 3, 0, 4, 1, 0}}) {
+        const Bytes whole = compact(random_mesh(kind, 6));
+        for (std::size_t size = 0; size < whole.size(); ++size) {
+            Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+            CHECK(!read(cut).status);
+            CHECK(read(cut).mesh.faces.empty());
+        }
+        for (std::size_t bit = 0; bit < 8 * whole.size(); bit += hmesh_test::stride_if_sanitized(7)) {
+            Bytes turned = whole;
+            turned[bit / 8] = static_cast<unsigned char>(turned[bit / 8] ^ 1U << (bit % 8));
+            CHECK(!read(turned).status);
+        }
+        Bytes longer = whole;
+        longer.push_back(0);
+        CHECK(!read(longer).status);
+        seal(longer);
+        CHECK(!read(longer).status);
+        CHECK(!hmesh::read_compact(nullptr, 0).status);
+        CHECK(!hmesh::read_bare_compact(nullptr, 0).status);
+    }
+}
+
+TEST_CASE("damage that checksums do not see gives a valid mesh or none") {
+    std::size_t passed = 0;
+    const auto look = [&](const CompactMesh& got) {
+        if (!got.status) {
+            CHECK(got.mesh.faces.empty());
+            CHECK(got.mesh.positions.empty());
+            return;
+        }
+        ++passed;
+        CHECK(is_tiling(got.mesh));
+    };
+    for (const MeshKind& kind : {MeshKind{64, 64, 256, 12, 0, 30, 3, 0}, MeshKind{64, 64, 256, 12, 0, 30, 4, 0.3}}) {
+        const bool is_bare = kind.hidden == 0;
+        CompactOptions options;
+        options.bare = is_bare;
+        const Bytes whole = compact(random_mesh(kind, 9), options);
+        for (std::size_t size = 0; size < whole.size(); ++size) {
+            Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+            if (!is_bare) seal(cut);
+            look(is_bare ? read_bare(cut) : read(cut));
+        }
+        for (std::size_t bit = 0; bit < 8 * whole.size(); bit += hmesh_test::stride_if_sanitized(5)) {
+            Bytes turned = whole;
+            turned[bit / 8] = static_cast<unsigned char>(turned[bit / 8] ^ 1U << (bit % 8));
+            if (!is_bare) seal(turned);
+            look(is_bare ? read_bare(turned) : read(turned));
+        }
+    }
+    hmesh::kit::Random random(1);
+    for (int k = 0; k < 300; ++k) {
+        Bytes noise{0x12, 40, 30, 0};
+        const std::size_t size = random.below(60);
+        while (noise.size() < 4 + size) noise.push_back(static_cast<unsigned char>(random.below(256)));
+        look(read_bare(noise));
+    }
+    CHECK(passed > 0);
+}
+
+TEST_CASE("heads that this version does not write are refused") {
+    const Bytes whole = compact(random_mesh({}, 6));
+    const auto status = [&](std::size_t at, unsigned char value) {
+        Bytes changed = whole;
+        changed[at] = value;
+        seal(changed);
+        return read(changed).status;
+    };
+    CHECK(status(14, whole[14]));
+    CHECK(!status(4, 2));                                             // another version
+    CHECK(!status(5, 1));                                             // what is reserved
+    CHECK(!status(14, static_cast<unsigned char>(whole[14] | 12U)));  // a kind of colours
+    for (unsigned bit = 3; bit < 8; ++bit) CHECK(!status(15, static_cast<unsigned char>(whole[15] | 1U << bit)));
+    CHECK(!status(16, 0));  // a width
+    CHECK(!status(18, 0));  // a step
+    CHECK(!status(19, 0));  // a step of colours
+}
+
+TEST_CASE("compact files and what is read of them are those of yesterday") {
+    const bool renews = std::getenv("HMESH_RENEW_GOLDEN") != nullptr;
+    const std::pair<const char*, MeshKind> files[] = {{"rgb", {96, 64, 1, 40, 0, 60, 3, 0}},
+                                                      {"gray", {16, 16, 64, 20, 0, 0, 1, 0}},
+                                                      {"holes", {96, 64, 16, 40, 0, 90, 4, 0.25}},
+                                                      {"wide", {65536, 2, 1, 30, 2, 90, 2, 0}},
+                                                      {"bare", {40, 30, 256, 40, 0, 60, 3, 0}}};
+    std::uint64_t seed = 40;
+    for (const auto& [name, kind] : files) {
+        const std::string path = std::string(HMESH_TEST_SOURCE) + "/golden/compact/" + name;
+        CAPTURE(path);
+        CompactOptions options;
+        options.bare = std::string(name) == "bare";
+        const Bytes written = compact(random_mesh(kind, ++seed), options);
+        if (renews)
+            std::ofstream(path + ".hmc", std::ios::binary)
+                .write(reinterpret_cast<const char*>(written.data()), static_cast<std::streamsize>(written.size()));
+        std::ifstream file(path + ".hmc", std::ios::binary);
+        const Bytes held{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        CHECK(written == held);
+        const CompactMesh got = options.bare ? read_bare(held) : read(held);
+        REQUIRE(got.status);
+        // What it holds as whole numbers: positions in 1/256 px, then colours; then faces.
+        std::ostringstream text;
+        const Mesh& mesh = got.mesh;
+        text << mesh.width << ' ' << mesh.height << ' ' << mesh.channels << '\n' << mesh.vertex_count() << '\n';
+        const auto channels = static_cast<std::size_t>(mesh.channels);
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+            text << static_cast<std::int64_t>(256 * static_cast<double>(mesh.positions[2 * v])) << ' '
+                 << static_cast<std::int64_t>(256 * static_cast<double>(mesh.positions[2 * v + 1]));
+            for (std::size_t c = 0; c < channels; ++c) text << ' ' << static_cast<std::int64_t>(mesh.colors[channels * v + c]);
+            text << '\n';
+        }
+        text << mesh.face_count() << '\n';
+        for (const hmesh::Triangle& face : mesh.faces) text << face[0] << ' ' << face[1] << ' ' << face[2] << '\n';
+        if (renews) std::ofstream(path + ".txt") << text.str();
+        std::ifstream expected(path + ".txt");
+        const std::string lines{std::istreambuf_iterator<char>(expected), std::istreambuf_iterator<char>()};
+        CHECK(text.str() == lines);
+    }
+}
