@@ -37,7 +37,8 @@ endfunction()
 
 function(hmesh_add_readers readers)
     set(folder "${PROJECT_SOURCE_DIR}/tools/hmesh")
-    set(sources image_file.cpp image_set.cpp readers.cpp png.cpp jpeg.cpp webp.cpp tiff.cpp pnm.cpp hdr.cpp psd.cpp stb.cpp)
+    set(sources image_file.cpp image_set.cpp readers.cpp png.cpp jpeg.cpp webp.cpp tiff.cpp pnm.cpp rectangles.cpp hdr.cpp psd.cpp
+        stb.cpp)
     list(TRANSFORM sources PREPEND "${folder}/readers/")
     add_library(${readers} STATIC ${sources})
     target_link_libraries(${readers} PUBLIC hmesh_internal PRIVATE hmesh_stb)

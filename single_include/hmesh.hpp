@@ -118,14 +118,15 @@ enum class Errc : std::uint8_t {
     not_finite,           ///< NaN or infinity where a finite number is needed
     write_failed,         ///< a sink refused bytes
     cancelled,            ///< the progress callback returned false
+    read_failed,          ///< an image that is not in memory could not be read
 };
 
 /// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;   ///< kind of failure
     const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
-    double value = 0;       ///< the offending number
-    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double value = 0;       ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
+    /// The bound that `value` violates; of read_failed the rows. Both are 0 where the sentence says all.
     double limit = 0;
 
     /// Success.
@@ -204,11 +205,31 @@ class Message {
     std::size_t size_ = 0;
 };
 
+namespace kit {
+
+/// `count` pixels of a row or a column from number `first` on, both in [0, 65536], as one number.
+[[nodiscard]] constexpr double pack_span(int first, int count) noexcept { return first * 131072.0 + count; }
+/// The first pixel of such a number.
+[[nodiscard]] inline int span_first(double span) noexcept { return static_cast<int>(span / 131072); }
+/// The number of pixels of such a number.
+[[nodiscard]] inline int span_count(double span) noexcept { return static_cast<int>(span - 131072.0 * span_first(span)); }
+
+}  // namespace kit
+
 /// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
 [[nodiscard]] inline Message message(const Status& status) noexcept {
     Message out;
     if (status) return out << "ok";
     out << status.what;
+    if (status.code == Errc::read_failed) {
+        const auto span = [&](double of) -> Message& {
+            const int first = kit::span_first(of);
+            return out << static_cast<double>(first) << " to " << static_cast<double>(first + kit::span_count(of) - 1);
+        };
+        out << " (columns ";
+        span(status.value) << " of rows ";
+        return span(status.limit) << ")";
+    }
     // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
     const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
     if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
@@ -1305,13 +1326,17 @@ struct Turns {
     return {wraps_x(torus.periodic) ? -static_cast<int>(std::floor((p.x - x) / torus.width)) : 0,
             wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
 }
+/// The same point of the torus in [0, width) x [0, height), along the axes that repeat.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Point inside(Point p, const Torus& torus) noexcept {
+    return turned(p, turns_into(p, 0, 0, torus), torus);
+}
 
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
-    for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
+    for (const Point p : positions) places.push_back(inside(p, torus));
     Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(
@@ -6206,23 +6231,36 @@ struct ChannelScale {
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
 };
 
-/// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
+/// The values between which samples lie.
+struct SampleRange {
+    double low = 0,  ///< the smallest, or one below
+        high = 0;    ///< the largest, or one above
+};
+
+/// That of an image: of whole numbers what their type can be, of others what they are.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const ImageView<T, C>& view, const std::vector<double>& weights) {
-    ChannelScale<C> scale;
-    double low = PixelTraits<T>::lowest, high = PixelTraits<T>::highest;
+[[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view) {
+    SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
     if constexpr (!PixelTraits<T>::is_integer) {
-        low = high = PixelTraits<T>::to_real(*view.data);
+        range.low = range.high = PixelTraits<T>::to_real(*view.data);
         for (int y = 0; y < view.height; ++y) {
             const T* const row = view.row(y);
             for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
-                low = std::min(low, PixelTraits<T>::to_real(row[i]));
-                high = std::max(high, PixelTraits<T>::to_real(row[i]));
+                range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
+                range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
             }
         }
     }
-    scale.offset = low;
-    if (high > low) scale.unit = 65535 / (high - low);
+    return range;
+}
+
+/// The scale for an image with samples of this range, which then lie in [0, 65535], and weights that check_channel_weights()
+/// accepts, one a channel.
+template <int C>
+[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const SampleRange& range, const std::vector<double>& weights) {
+    ChannelScale<C> scale;
+    scale.offset = range.low;
+    if (range.high > range.low) scale.unit = 65535 / (range.high - range.low);
     scale.share = channel_shares<C>(weights);
     return scale;
 }
@@ -7500,6 +7538,41 @@ class MomentTable {
 
 namespace hmesh::kit {
 
+struct RenderedError;
+
+template <int C>
+class ImageSource;
+
+/// What a source looks at in place of itself, see ImageSource::with_window().
+template <int C>
+struct SourceWindow {
+    const ImageSource<C>& source;  ///< pixel (i - x, j - y) of which is pixel (i, j)
+    int x = 0,                     ///< px
+        y = 0;                     ///< px
+
+    /// ImageSource::pixel() of pixel (i, j).
+    [[nodiscard]] auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
+    /// ImageSource::read() from pixel (i, j).
+    void read(int i, int j, int count, double* to) const noexcept { source.read(i - x, j - y, count, to); }
+};
+
+/// How a source looks at an image that is not in memory (fit/read_source.hpp).
+template <int C>
+struct SourceCalls {
+    const void* image = nullptr;  ///< what the functions look at; must outlive the source
+    /// rendered_errors() of the source.
+    RenderedError (*error)(const ImageSource<C>&, const Mesh&, const ParallelFor&, const ChannelScale<C>&) = nullptr;
+    /// ImageSource::with_window().
+    void (*window)(const ImageSource<C>&, const Rect&, FunctionRef<void(const SourceWindow<C>&)> look) = nullptr;
+    /// ImageSource::visit().
+    void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                  FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp), found without a
+    /// number for each pixel in memory. Meaningless once go_on(), called on any thread, has said false.
+    Array<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
+                                   FunctionRef<bool()> go_on) = nullptr;
+};
+
 /// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
 class ImageSource {
@@ -7539,6 +7612,31 @@ class ImageSource {
         out.high_ = out.peak_ = out.largest_ = 65535;
         return out;
     }
+    /// The same image, whose pixels are not in memory but where these calls find them; that of the view is not looked at.
+    [[nodiscard]] ImageSource with_calls(const SourceCalls<C>& calls) const noexcept {
+        ImageSource out = *this;
+        out.calls_ = calls;
+        return out;
+    }
+    /// Whether pixels are read when they are asked for. read(), pixel() and row() are those of windows then.
+    [[nodiscard]] bool is_read() const noexcept { return calls_.window != nullptr; }
+    /// What with_calls() was given, of a source that is_read().
+    [[nodiscard]] const SourceCalls<C>& calls() const noexcept { return calls_; }
+
+    /// Calls look() with a window that has the pixels of a rectangle, which may reach beyond the image along the axes of
+    /// periodic(): this source itself or, where it is_read(), a copy of them, which neither repeats nor has weights.
+    void with_window(const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) const {
+        if (is_read()) calls_.window(*this, rect, look);
+        else look({*this});
+    }
+    /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
+    /// than 2 px away. In any order, on this thread.
+    void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+        if (is_read()) return calls_.visit(*this, count, at, look);
+        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+    }
+
     /// How stored values became the samples; null: they are the samples.
     [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
@@ -7558,10 +7656,13 @@ class ImageSource {
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        MomentTable<C> table(
-            rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
-            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
-            parallel_for);
+        MomentTable<C> table;
+        with_window(rect, [&](const SourceWindow<C>& window) {
+            table = MomentTable<C>(
+                rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
+                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
+                parallel_for);
+        });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
             table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
@@ -7587,7 +7688,7 @@ class ImageSource {
     }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         double samples[std::size_t{C}];
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
         auto out = Lanes<lanes_for(C + 1)>::zero();
@@ -7646,6 +7747,7 @@ class ImageSource {
     Samples samples_ = Samples::squares;
     void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
     const ChannelScale<C>* scale_ = nullptr;
+    SourceCalls<C> calls_;  ///< without a window: the pixels are in memory
 };
 
 }  // namespace hmesh::kit
@@ -7694,13 +7796,13 @@ struct RenderedError {
 
 namespace detail {
 
-/// The error of a mesh in the faces [first, last); else as rendered_errors().
+/// Adds to `sum` the error of a mesh in the faces [first, last), whose pixels the window has; else as rendered_errors(). Never
+/// inlined: whatever is in memory, it rounds alike.
 template <int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
-                                            const ChannelScale<C>& channels) {
+HMESH_NEVER_INLINE void add_rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
+                                            const SourceWindow<C>& window, const ChannelScale<C>& channels, RenderedError& sum) {
     constexpr int chunk = 32;  // pixels read at once
     const ClipRect clip{source.width(), 0, source.height(), far_sides(source.width(), source.height(), mesh.samples)};
-    RenderedError out;
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
@@ -7717,7 +7819,7 @@ template <int C>
             for (int i = begin; i < end; ++i) {
                 const int place = (i - begin) % chunk;
                 if (place == 0) {
-                    source.read(i, j, std::min(chunk, end - i), samples);
+                    window.read(i, j, std::min(chunk, end - i), samples);
                     if (source.is_weighted()) source.read_weights(i, j, std::min(chunk, end - i), weights);
                 }
                 const double* const sample = samples + std::ptrdiff_t{C} * place;
@@ -7733,11 +7835,26 @@ template <int C>
                 energy += times * square;
             }
         });
-        out.energy += energy;
+        sum.energy += energy;
     }
     for (std::size_t k = 0; k < C; ++k)
-        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
-    return out;
+        if (channels.share[k] > 0) sum.largest = std::max(sum.largest, largest[k]);
+}
+
+/// The errors of all faces of a mesh, from those that add(first, last, sum) adds of some in a row.
+[[nodiscard]] HMESH_COLD inline RenderedError sum_rendered_errors(
+    const Mesh& mesh, const ParallelFor& parallel_for,
+    FunctionRef<void(std::size_t first, std::size_t last, RenderedError& sum)> add) {
+    constexpr std::size_t grain = 256;
+    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain,
+                   [&](std::size_t first, std::size_t last) { add(first, last, parts[first / grain]); });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
 }
 
 }  // namespace detail
@@ -7748,17 +7865,10 @@ template <int C>
 [[nodiscard]] HMESH_COLD RenderedError rendered_errors(const Mesh& mesh, const ImageSource<C>& source,
                                                        const ParallelFor& parallel_for = {},
                                                        const ChannelScale<C>& channels = {}) {
-    constexpr std::size_t grain = 256;
-    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
-    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
+    if (source.is_read()) return source.calls().error(source, mesh, parallel_for, channels);
+    return detail::sum_rendered_errors(mesh, parallel_for, [&](std::size_t first, std::size_t last, RenderedError& sum) {
+        detail::add_rendered_errors(mesh, first, last, source, SourceWindow<C>{source}, channels, sum);
     });
-    RenderedError sum;
-    for (const RenderedError& part : parts) {
-        sum.energy += part.energy;
-        sum.largest = std::max(sum.largest, part.largest);
-    }
-    return sum;
 }
 /// The same of an image's view, with `unit` as by weight_unit().
 template <class T, int C>
@@ -11587,22 +11697,24 @@ template <int C>
 template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
     Array<Point> vertices;
-    const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
-        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
-        for (int i = 0; i < count; ++i) {
-            const Point p = place(i);
-            const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
-            for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
-        }
+    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) {
+        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(std::max(side.width, side.height)));
+        source.with_window(side, [&](const SourceWindow<C>& window) {
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                const Point p = place(static_cast<int>(i));
+                const auto color = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+                for (std::size_t c = 0; c < C; ++c) samples[i][c] = color[static_cast<int>(c)];
+            }
+        });
         const Array<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
         for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
             vertices.push_back(place(static_cast<int>(nodes[k])));
     };
     const int width = source.width(), height = source.height();
-    add_side(width, true, [](int i) { return Point{i + 0.5, 0.5}; });
-    add_side(width, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
-    add_side(height, false, [](int i) { return Point{0.5, i + 0.5}; });
-    add_side(height, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
+    add_side({0, 0, width, 1}, true, [](int i) { return Point{i + 0.5, 0.5}; });
+    add_side({0, height - 1, width, 1}, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
+    add_side({0, 0, 1, height}, false, [](int i) { return Point{0.5, i + 0.5}; });
+    add_side({width - 1, 0, 1, height}, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
     return vertices;
 }
 
@@ -11936,7 +12048,11 @@ template <int C>
     mesh.samples = source.samples();
     const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, Color<C>::zero());
+    const auto corner = [&](std::size_t k) { return Point{k % 2 == 0 ? 0.0 : mesh.width, k < 2 ? 0.0 : mesh.height}; };
+    source.visit(4, corner, [&](const SourceWindow<C>& window, std::size_t k) {
+        mesh.colors[k] = window.pixel(static_cast<int>(corner(k).x), static_cast<int>(corner(k).y));
+    });
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }
@@ -12204,10 +12320,11 @@ struct Cut {
     return counts;
 }
 
-/// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline Array<std::size_t> largest_first(const Array<double>& sizes) {
+/// The tiles of size > 0, the largest first or in their order.
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> order_of_work(const Array<double>& sizes, bool largest_first) {
     Array<std::size_t> tiles;
-    for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
+    const auto code = [&](std::uint32_t k) { return largest_first ? code_of(-sizes[k]) : 0; };
+    for (const Coded& at : sorted_numbers(sizes.size(), code))
         if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
 }
@@ -12860,9 +12977,10 @@ class TiledMesh {
         return &notes_.table;
     }
 
-    /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
+    /// Calls body(tile, task) for the tiles of size > 0, the largest first or, of an image that is read, in their order, so that
+    /// who reads it may keep what lies beside a tile; after a cancellation no more, unless `all`.
     HMESH_COLD void run(const Array<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
-        const Array<std::size_t> tiles = detail::largest_first(sizes);
+        const Array<std::size_t> tiles = detail::order_of_work(sizes, !source_->is_read());
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
@@ -13168,7 +13286,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
 /// 2018), whose values nearby differ as much as they can.
 ///
-/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel.
+/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not
+/// in memory three times that, and nothing for each pixel.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 
@@ -13211,14 +13330,15 @@ inline void find_bends(const double* above, const double* here, const double* be
 template <int C>
 class SmoothRows {
   public:
-    explicit SmoothRows(const ImageSource<C>& source)
-        : source_(&source), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + std::ptrdiff_t{2 * C + 4}),
-          numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
+    /// Of an image, with the pixels of a window.
+    SmoothRows(const ImageSource<C>& source, const SourceWindow<C>& window)
+        : source_(&source), window_(&window), size_(std::ptrdiff_t{C} * source.width()),
+          stride_(size_ + std::ptrdiff_t{2 * C + 4}), numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
 
     /// Reads row y of the image as row k, one more than the last time.
     void read(int k, int y) noexcept {
         // The peak counts as 1, the filters multiply by 4 each, and find_bends() by 2: powers of two, which change no bit else.
-        source_->row(y, 1 / (32 * source_->peak()), row(k % 3));
+        window_->source.row(y - window_->y, 1 / (32 * source_->peak()), row(k % 3));
     }
     /// Smooths row k - 1, now that row k is read.
     void smooth(int k) noexcept {
@@ -13245,6 +13365,7 @@ class SmoothRows {
     }
 
     const ImageSource<C>* source_;
+    const SourceWindow<C>* window_;
     std::ptrdiff_t size_,    ///< samples of a row
         stride_;             ///< from row to row: a pixel more on both sides, and the room that loops need
     Array<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
@@ -13265,24 +13386,26 @@ class SmoothRows {
 
 }  // namespace detail
 
-/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
-/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
-/// says false, the result is meaningless.
+namespace detail {
+
+/// Rows of the density that are a piece of work.
+inline constexpr std::size_t density_band = 32;
+
+/// The density in rows [begin, end), a band or less, but for the part that all pixels have alike; written row after row. Returns
+/// its sum. Never inlined: it rounds alike, whatever is in memory.
 template <int C>
-[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
-                                                       FunctionRef<bool()> go_on = {}) {
-    const int width = source.width(), height = source.height();
-    Image<float, 1> density(width, height);
-    const auto rows = static_cast<std::size_t>(height);
-    constexpr std::size_t band = 32;
+HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t begin, std::size_t end, float* to) {
+    const int width = source.width(), first = static_cast<int>(begin), count = static_cast<int>(end - begin);
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-    Array<double> sums((rows + band - 1) / band, 0.0);
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        if (go_on && !go_on()) return;
-        const int first = static_cast<int>(begin), count = static_cast<int>(end - begin);
-        detail::SmoothRows<C> smooth_rows(source);
+    double sum = 0;
+    Rect rect{0, first - 2, width, count + 4};
+    if (!wraps_y(source.periodic())) {
+        rect.y = std::max(0, first - 2);
+        rect.height = std::min(source.height(), first + count + 2) - rect.y;
+    }
+    source.with_window(rect, [&](const SourceWindow<C>& window) {
+        SmoothRows<C> smooth_rows(source, window);
         Array<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
-        double sum = 0;
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
             if (k >= 2) smooth_rows.smooth(k);
@@ -13302,15 +13425,37 @@ template <int C>
                 value.store(&values[x]);
                 for (int i = 0; i < 4; ++i) sum += value[i];
             }
-            float* const row = density.pixel(0, y);
-            for (int x = 0; x < width; ++x) row[x] = static_cast<float>(values[static_cast<std::size_t>(x)]);
+            for (int x = 0; x < width; ++x) *to++ = static_cast<float>(values[static_cast<std::size_t>(x)]);
         }
-        sums[begin / band] = sum;
     });
-    double sum = 0;
-    for (const double of_band : sums) sum += of_band;
-    const auto least =
-        static_cast<float>(std::max(0.1 * sum / source.pixels(), static_cast<double>(std::numeric_limits<float>::min())));
+    return sum;
+}
+
+/// The part of the density that all pixels have alike, from the sum of the rest.
+[[nodiscard]] inline float even_density(double sum, double pixels) noexcept {
+    return static_cast<float>(std::max(0.1 * sum / pixels, static_cast<double>(std::numeric_limits<float>::min())));
+}
+
+/// Turns the densities of row y into ranks. Never inlined, likewise.
+HMESH_NEVER_INLINE inline void rank_row(float* densities, int y, int width) noexcept {
+    for (int x = 0; x < width; ++x) densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
+}
+
+}  // namespace detail
+
+/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
+/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
+/// says false, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
+                                                       FunctionRef<bool()> go_on = {}) {
+    Image<float, 1> density(source.width(), source.height());
+    const double all = ordered_sum(parallel_for, static_cast<std::size_t>(source.height()), detail::density_band,
+                                   [&](std::size_t begin, std::size_t end) {
+                                       if (go_on && !go_on()) return 0.0;
+                                       return detail::find_density(source, begin, end, density.pixel(0, static_cast<int>(begin)));
+                                   });
+    const float least = detail::even_density(all, source.pixels());
     for_each_chunk(parallel_for, density.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) density.data()[k] += least;
     });
@@ -13360,31 +13505,30 @@ template <int C>
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
-            float* const at = density.pixel(0, y);
-            for (int x = 0; x < density.width(); ++x)
-                at[x] = static_cast<float>((detail::mask_at(x, y) + 1e-6) / static_cast<double>(at[x]));
+            detail::rank_row(density.pixel(0, y), y, density.width());
         }
     });
     return density;
 }
 
-/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
-/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
-                                                                  const ParallelFor& parallel_for = {}) {
-    HMESH_ASSERT(count <= ranks.size());
+namespace detail {
+
+/// The ranks of the pixels of rows [begin, end), row after row; `room` is for whoever has to calculate them.
+using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end, Array<float>& room)>;
+
+/// first_points(), with pieces of work of `band` rows. Ranks are asked for twice.
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> least_ranks(std::size_t width, std::size_t rows, std::size_t band,
+                                                                 RanksOfRows ranks, std::size_t count,
+                                                                 const ParallelFor& parallel_for) {
     // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
     constexpr std::uint32_t shift = 20;
     using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
-    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
-    const std::size_t band = 65536 / (width + 1) + 1;
     Array<Bins> of_band(rows / band + 1, Bins{});
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         Bins& bins = of_band[begin / band];
-        for (std::size_t row = begin; row < end; ++row) {
-            const float* const at = ranks.pixel(0, static_cast<int>(row));
-            for (std::size_t x = 0; x < width; ++x) ++bins[detail::bits_of(at[x]) >> shift];
-        }
+        Array<float> room;
+        const float* const at = ranks(begin, end, room);
+        for (std::size_t k = 0; k < (end - begin) * width; ++k) ++bins[bits_of(at[k]) >> shift];
     });
     // Candidates: the pixels in the bins up to that of the last point.
     Array<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
@@ -13398,27 +13542,70 @@ template <int C>
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    Array<std::uint32_t> points(first.back());
+    Array<std::uint32_t> points(first.back()), bits(first.back());
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
-        for (std::size_t k = begin * width; k < end * width; ++k)
-            if (detail::bits_of(ranks.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
+        const std::size_t last = first[begin / band + 1];
+        Array<float> room;
+        const float* const at = ranks(begin, end, room);
+        // Ranks are others than before where who finds them was told to stop: `last` keeps such a band from the next one's room.
+        for (std::size_t k = 0; k < (end - begin) * width; ++k)
+            if (const std::uint32_t here = bits_of(at[k]); here >> shift <= last_bin && to < last) {
+                points[to] = static_cast<std::uint32_t>(begin * width + k);
+                bits[to++] = here;
+            }
     });
     // Of those in the last bin as many as are missing.
-    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
     Array<Coded> in_last;  // the last bin's
-    for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (bits[k] >> shift == last_bin) in_last.push_back({bits[k], points[k]});
     const std::size_t missing = count - below;
-    if (missing == in_last.size()) return points;
+    if (missing >= in_last.size()) return points;
     sort_by_code(in_last);
     const Coded& left_out = in_last[missing];  // the first of them
     std::size_t kept = 0;
-    for (const std::uint32_t point : points)
-        if (const std::uint32_t bits = bits_at(point); bits < left_out.code || (bits == left_out.code && point < left_out.number))
-            points[kept++] = point;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (bits[k] < left_out.code || (bits[k] == left_out.code && points[k] < left_out.number)) points[kept++] = points[k];
     points.resize(kept);
     return points;
+}
+
+}  // namespace detail
+
+/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
+/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                  const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(count <= ranks.size());
+    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
+    const auto of_rows = [&](std::size_t begin, std::size_t, Array<float>&) { return ranks.pixel(0, static_cast<int>(begin)); };
+    return detail::least_ranks(width, rows, 65536 / (width + 1) + 1, of_rows, count, parallel_for);
+}
+
+/// The same pixels for the ranks of point_density(), of which no more than some rows are held: they are found three times. Once
+/// go_on() says false, called before each band of 32 rows on any thread, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD Array<std::uint32_t> first_points(const ImageSource<C>& source, std::size_t count,
+                                                           const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
+    const auto width = static_cast<std::size_t>(source.width()), rows = static_cast<std::size_t>(source.height());
+    float least = 0;
+    const auto densities = [&](std::size_t begin, std::size_t end, Array<float>& room) {
+        room.assign((end - begin) * width, 1.0F);
+        return go_on() ? detail::find_density(source, begin, end, room.data()) : 0;
+    };
+    const double sum = ordered_sum(parallel_for, rows, detail::density_band, [&](std::size_t begin, std::size_t end) {
+        Array<float> room;
+        return densities(begin, end, room);
+    });
+    least = detail::even_density(sum, source.pixels());
+    const auto ranks = [&](std::size_t begin, std::size_t end, Array<float>& room) -> const float* {
+        (void)densities(begin, end, room);
+        for (float& density : room) density += least;
+        for (std::size_t y = begin; y < end; ++y)
+            detail::rank_row(room.data() + (y - begin) * width, static_cast<int>(y), source.width());
+        return room.data();
+    };
+    return detail::least_ranks(width, rows, detail::density_band, ranks, count, parallel_for);
 }
 
 }  // namespace hmesh::kit
@@ -13607,10 +13794,13 @@ template <int C>
     mesh.positions.reserve(delaunay.topology().vertex_count());
     mesh.colors.reserve(delaunay.topology().vertex_count());
     mesh.dirty.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) {
-        const Point p = delaunay.position(v);
-        mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    }
+    for (const Vertex v : delaunay.topology().vertices()) mesh.add(delaunay.position(v), Color<C>::zero());
+    source.visit(
+        mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
+        [&](const SourceWindow<C>& window, std::size_t k) {
+            const Point p = mesh.positions[k];
+            mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+        });
     mesh.faces = delaunay.topology().triangles();
     return mesh;
 }
@@ -13898,13 +14088,18 @@ class AnnealedRun {
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
+        const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
         Array<std::uint32_t> pixels;
         Array<Point> on_seams;
-        {
+        if (source.is_read() && source.periodic() == Periodic::none) {
+            const auto count = static_cast<std::size_t>(std::min(most, wanted));
+            pixels = source.calls().points(source, count, tiled_->parallel_for(), go_on);
+            if (progress().stopped()) return false;
+        } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(source.pixels(), wanted);
+            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
                 on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
@@ -14807,17 +15002,21 @@ template <int C>
     return *std::max_element(largest.begin(), largest.end());
 }
 
-/// The colour of the image at p, bilinear; beyond the sides of a periodic image it goes on.
+/// Calls give(k, color) for each k < count with the colour of the image at at(k), bilinear; beyond the sides of a periodic image
+/// it goes on. In any order.
 template <int C>
-[[nodiscard]] HMESH_COLD Color<C> color_at(const ImageSource<C>& source, Point p) {
+HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                            FunctionRef<void(std::size_t k, const Color<C>& color)> give) {
     const Torus torus{source.width(), source.height(), source.periodic()};
-    const Turns inside = turns_into(p, 0, 0, torus);
     // In the middle of three images, which go on on both sides.
     const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
     const int left = x ? source.width() : 0, top = y ? source.height() : 0;
-    p = turned(p, inside + Turns{x ? 1 : 0, y ? 1 : 0}, torus);
-    return sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
-                            [&](int i, int j) { return source.pixel(i - left, j - top); });
+    const auto place = [&](std::size_t k) { return inside(at(k), torus); };
+    source.visit(count, place, [&](const SourceWindow<C>& window, std::size_t k) {
+        const Point p = place(k);
+        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), {p.x + left, p.y + top},
+                                 [&](int i, int j) { return window.pixel(i - left, j - top); }));
+    });
 }
 
 /// bounded_colors() of a periodic mesh, in which a vertex and its copies are one. Vertices on a straight border are tied to the
@@ -14840,15 +15039,21 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     Array<std::uint32_t> rows;
     Array<Color<C>> colors;
     Array<ColorTie<C>> ties;
+    Array<Point> tie_points;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
-            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
-            ties.push_back({tied.rows[v], tie_weight, color_at(source, p)});
+            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0)) {
+            ties.push_back({tied.rows[v], tie_weight, Color<C>::zero()});
+            tie_points.push_back(p);
+        }
     }
+    find_colors<C>(
+        source, ties.size(), [&](std::size_t k) { return tie_points[k]; },
+        [&](std::size_t k, const Color<C>& color) { ties[k].color = color; });
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
@@ -14866,12 +15071,13 @@ template <int C>
 HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        Color<C>& color = mesh.colors[v];
-        color = detail::color_at(source, mesh.positions[v]);
-        if (grid > 0)
-            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
-    }
+    detail::find_colors<C>(
+        source, mesh.vertex_count(), [&](std::size_t v) { return mesh.positions[v]; },
+        [&](std::size_t v, const Color<C>& sampled) {
+            Color<C>& color = mesh.colors[v] = sampled;
+            if (grid > 0)
+                for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
+        });
     return {{}, detail::measure_finally(tiled, tiling)};
 }
 
@@ -15271,7 +15477,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const Subject<C>& subject, const RecipeRef<C>& recipe, const Options& options,
                                             const ParallelFor& parallel_for) {
     const double pixels = subject.image->pixels();
-    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, std::min(pixels, static_cast<double>(kit::max_pixels))));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
@@ -15356,6 +15562,16 @@ struct ImageRecipeRef {
     return {};
 }
 
+/// Whether options, and the recipe by `check_recipe`, can mesh an image of this size; `pixels`: how many vertices it holds.
+[[nodiscard]] HMESH_COLD inline Status check_call(const Options& options, int width, int height, std::int64_t pixels, int channels,
+                                                  FunctionRef<Status(int width, int height)> check_recipe) {
+    if (const Status status = check(options, pixels, channels); !status) return status;
+    if (options.mask.data != nullptr || options.nan_is_no_data)
+        return {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
+                                        "nan_is_no_data"};
+    return check_recipe(width, height);
+}
+
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
 template <class T, int C>
@@ -15364,11 +15580,8 @@ template <class T, int C>
                                              const ParallelFor& parallel_for,
                                              FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
     Status status = check(view);
-    if (status) status = check(options, std::int64_t{view.width} * view.height, C);
-    if (status && (options.mask.data != nullptr || options.nan_is_no_data))
-        status = {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
-                                          "nan_is_no_data"};
-    if (status) status = check_recipe(view.width, view.height);
+    if (status)
+        status = check_call(options, view.width, view.height, std::int64_t{view.width} * view.height, C, check_recipe);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
     if (status && options.samples == Samples::points) status = check_points(view.width, view.height);
@@ -15392,7 +15605,7 @@ template <class T, int C>
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
-        scale = kit::channel_scale(image, options.channel_weights);
+        scale = kit::channel_scale<C>(kit::sample_range(image), options.channel_weights);
         fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }

@@ -157,7 +157,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD Result mesh_target(const Subject<C>& subject, const RecipeRef<C>& recipe, const Options& options,
                                             const ParallelFor& parallel_for) {
     const double pixels = subject.image->pixels();
-    const auto all = static_cast<std::int64_t>(std::max(4.0, pixels));
+    const auto all = static_cast<std::int64_t>(std::max(4.0, std::min(pixels, static_cast<double>(kit::max_pixels))));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
     const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
@@ -242,6 +242,16 @@ struct ImageRecipeRef {
     return {};
 }
 
+/// Whether options, and the recipe by `check_recipe`, can mesh an image of this size; `pixels`: how many vertices it holds.
+[[nodiscard]] HMESH_COLD inline Status check_call(const Options& options, int width, int height, std::int64_t pixels, int channels,
+                                                  FunctionRef<Status(int width, int height)> check_recipe) {
+    if (const Status status = check(options, pixels, channels); !status) return status;
+    if (options.mask.data != nullptr || options.nan_is_no_data)
+        return {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
+                                        "nan_is_no_data"};
+    return check_recipe(width, height);
+}
+
 /// Calls body() with what is to be meshed and the image as methods see it, once view and options have passed all checks: those of
 /// the recipe are `check_recipe`.
 template <class T, int C>
@@ -250,11 +260,8 @@ template <class T, int C>
                                              const ParallelFor& parallel_for,
                                              FunctionRef<void(const Subject<C>& subject, const ImageView<T, C>& image)> body) {
     Status status = check(view);
-    if (status) status = check(options, std::int64_t{view.width} * view.height, C);
-    if (status && (options.mask.data != nullptr || options.nan_is_no_data))
-        status = {Errc::invalid_argument, "this method meshes all samples: of those of the library Bounded alone knows mask and "
-                                          "nan_is_no_data"};
-    if (status) status = check_recipe(view.width, view.height);
+    if (status)
+        status = check_call(options, view.width, view.height, std::int64_t{view.width} * view.height, C, check_recipe);
     if (status) status = kit::check_finite(view, parallel_for);
     if (status) status = kit::check_weights(options.weights, view.width, view.height, parallel_for);
     if (status && options.samples == Samples::points) status = check_points(view.width, view.height);
@@ -278,7 +285,7 @@ template <class T, int C>
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
-        scale = kit::channel_scale(image, options.channel_weights);
+        scale = kit::channel_scale<C>(kit::sample_range(image), options.channel_weights);
         fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }

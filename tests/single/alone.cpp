@@ -10,6 +10,7 @@ bool paper_is_there();                                 // paper.cpp
 bool gpu_is_there();                                   // gpu.cpp
 bool lods_are_there();                                 // lods.cpp
 bool terrain_is_there();                               // terrain.cpp
+bool large_is_there();                                 // large.cpp
 std::size_t size_as_svg(const hmesh::MeshView& mesh);  // both.cpp
 
 int main() {
@@ -32,5 +33,6 @@ int main() {
     if (!gpu_is_there()) return 6;
     if (!lods_are_there()) return 7;
     if (!terrain_is_there()) return 8;
+    if (!large_is_there()) return 9;
     return paper_is_there() ? 0 : 5;
 }

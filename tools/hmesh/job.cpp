@@ -16,6 +16,7 @@
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "readers/image_set.hpp"
+#include "readers/rectangles.hpp"
 #include "readers/weights.hpp"
 #include "results/made.hpp"
 #include "results/maps.hpp"
@@ -116,7 +117,10 @@ double position_step(const Arguments& arguments, const ImageFile& image) {
 }
 
 std::string read_inputs(const Arguments& arguments, Inputs& inputs) {
-    if (const std::string why = read_image(arguments.input, inputs.image, inputs.bytes); !why.empty())
+    if (arguments.out_of_core) {
+        if (const std::string why = open_rectangles(arguments.input, inputs.image); !why.empty())
+            return "cannot read " + input_words(arguments.input) + ": " + why;
+    } else if (const std::string why = read_image(arguments.input, inputs.image, inputs.bytes); !why.empty())
         return "cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why);
     if (!has_output(arguments, ".html") || !arguments.original) std::vector<unsigned char>().swap(inputs.bytes);
     if (std::string why = join_maps(arguments, inputs); !why.empty()) return why;
@@ -190,7 +194,9 @@ std::string finish_levels(const Arguments& arguments, const ImageFile& image, co
         level.sprite = drop_faces(image, options, level.outcome, parallel_for);
         if (!level.sprite->status) return in_words(level.sprite->status);
     }
-    if (!has_output(arguments, ".glb") || options.fit_space == FitSpace::linear || options.premultiplied || is_set) return {};
+    if (!has_output(arguments, ".glb") || options.fit_space == FitSpace::linear || options.premultiplied || is_set ||
+        image.rectangles)
+        return {};
     watch.step("linear light", light_work(image));
     for (Level& level : made.levels)
         if (&level == &made.levels.front() || options.fit_space == FitSpace::each)
@@ -241,7 +247,9 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     made.seconds = watch.seconds();
     watch.end_mesh();
 
-    const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status);
+    const std::string unread =
+        image.rectangles && outcome.status.code == hmesh::Errc::read_failed ? ": " + image.rectangles->why() : "";
+    const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status) + unread;
     if (!outcome.has_mesh()) return {sentence, false, is_interrupted};
     if (is_interrupted && !arguments.keep_partial)
         return {sentence + "; nothing is written" + (options.levels > 1 ? "" : ", as --keep-partial is not given"), false, true};
@@ -260,7 +268,7 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     const bool is_summed_up = !arguments.quiet && !is_one_of_several;
     if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed) {
         if (is_set) measure_maps(finest.mesh, image, options.weights, inputs.maps);
-        else made.written = files.measure(finest.mesh, finest.report.psnr, light);
+        else if (!image.rectangles) made.written = files.measure(finest.mesh, finest.report.psnr, light);
     }
     made.maps = std::move(inputs.maps);
     const auto report = [&](bool is_wanted, Layout layout) {

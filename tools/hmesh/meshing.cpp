@@ -9,7 +9,9 @@
 #include <type_traits>
 #include <utility>
 
+#include "hmesh/image/image_reader.hpp"
 #include "hmesh/image/premultiply.hpp"
+#include "hmesh/large/mesh_reader.hpp"
 #include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
@@ -18,6 +20,7 @@
 #include "hmesh/methods/hierarchical/hierarchical.hpp"
 #include "hmesh/render.hpp"
 #include "hmesh/solve/linear_light.hpp"
+#include "readers/rectangles.hpp"
 
 namespace tool {
 namespace {
@@ -329,7 +332,26 @@ std::string find_conflict(const MeshingOptions& options) {
     return mesh_samples(hmesh::ImageView<std::uint16_t, 8>{shorts, width, height, 0}, options, parallel_for);
 }
 
+// Of a file that is read by rectangles, whose samples are in none of the image's vectors.
+[[nodiscard]] hmesh::Lods mesh_rectangles(const ImageFile& image, const MeshingOptions& options,
+                                          const hmesh::ParallelFor& parallel_for) {
+    const auto mesh = [&](auto sample, auto channels) {
+        using T = decltype(sample);
+        const auto read = [&](const hmesh::kit::Rect& rect, T* samples, std::ptrdiff_t row_stride) {
+            return image.rectangles->read(rect, samples, row_stride);
+        };
+        const hmesh::ImageReader<T, channels.value> reader{image.width, image.height, read, true};
+        return one_level(hmesh::mesh_image(reader, library_options(options), annealed_recipe(options), parallel_for));
+    };
+    return with_channels(image.channels, [&](auto channels) {
+        if (image.bits == 16) return mesh(std::uint16_t(), channels);
+        if (image.bits == 32) return mesh(float(), channels);
+        return mesh(std::uint8_t(), channels);
+    });
+}
+
 hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
+    if (image.rectangles) return mesh_rectangles(image, options, parallel_for);
     if (image.channels > 4) return mesh_maps(image, options, parallel_for);
     return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
 }

@@ -27,14 +27,15 @@ enum class Errc : std::uint8_t {
     not_finite,           ///< NaN or infinity where a finite number is needed
     write_failed,         ///< a sink refused bytes
     cancelled,            ///< the progress callback returned false
+    read_failed,          ///< an image that is not in memory could not be read
 };
 
 /// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
     Errc code = Errc::ok;   ///< kind of failure
     const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
-    double value = 0;       ///< the offending number
-    /// The bound that `value` violates. Both are 0 where the sentence says all.
+    double value = 0;       ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
+    /// The bound that `value` violates; of read_failed the rows. Both are 0 where the sentence says all.
     double limit = 0;
 
     /// Success.
@@ -113,11 +114,31 @@ class Message {
     std::size_t size_ = 0;
 };
 
+namespace kit {
+
+/// `count` pixels of a row or a column from number `first` on, both in [0, 65536], as one number.
+[[nodiscard]] constexpr double pack_span(int first, int count) noexcept { return first * 131072.0 + count; }
+/// The first pixel of such a number.
+[[nodiscard]] inline int span_first(double span) noexcept { return static_cast<int>(span / 131072); }
+/// The number of pixels of such a number.
+[[nodiscard]] inline int span_count(double span) noexcept { return static_cast<int>(span - 131072.0 * span_first(span)); }
+
+}  // namespace kit
+
 /// The sentence of a status with its numbers, as in "the image is too wide (70000, limit 65536)"; "ok" on success.
 [[nodiscard]] inline Message message(const Status& status) noexcept {
     Message out;
     if (status) return out << "ok";
     out << status.what;
+    if (status.code == Errc::read_failed) {
+        const auto span = [&](double of) -> Message& {
+            const int first = kit::span_first(of);
+            return out << static_cast<double>(first) << " to " << static_cast<double>(first + kit::span_count(of) - 1);
+        };
+        out << " (columns ";
+        span(status.value) << " of rows ";
+        return span(status.limit) << ")";
+    }
     // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
     const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
     if (has_limit || !kit::is_finite(status.value) || status.value != 0) {

@@ -11,14 +11,18 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/raster.hpp"
 #include "hmesh/mesh/samples.hpp"
@@ -26,6 +30,41 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+struct RenderedError;
+
+template <int C>
+class ImageSource;
+
+/// What a source looks at in place of itself, see ImageSource::with_window().
+template <int C>
+struct SourceWindow {
+    const ImageSource<C>& source;  ///< pixel (i - x, j - y) of which is pixel (i, j)
+    int x = 0,                     ///< px
+        y = 0;                     ///< px
+
+    /// ImageSource::pixel() of pixel (i, j).
+    [[nodiscard]] auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
+    /// ImageSource::read() from pixel (i, j).
+    void read(int i, int j, int count, double* to) const noexcept { source.read(i - x, j - y, count, to); }
+};
+
+/// How a source looks at an image that is not in memory (fit/read_source.hpp).
+template <int C>
+struct SourceCalls {
+    const void* image = nullptr;  ///< what the functions look at; must outlive the source
+    /// rendered_errors() of the source.
+    RenderedError (*error)(const ImageSource<C>&, const Mesh&, const ParallelFor&, const ChannelScale<C>&) = nullptr;
+    /// ImageSource::with_window().
+    void (*window)(const ImageSource<C>&, const Rect&, FunctionRef<void(const SourceWindow<C>&)> look) = nullptr;
+    /// ImageSource::visit().
+    void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                  FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp), found without a
+    /// number for each pixel in memory. Meaningless once go_on(), called on any thread, has said false.
+    Array<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
+                                   FunctionRef<bool()> go_on) = nullptr;
+};
 
 /// An image of C channels of any pixel type, with or without weights, from which moment tables are made.
 template <int C>
@@ -66,6 +105,31 @@ class ImageSource {
         out.high_ = out.peak_ = out.largest_ = 65535;
         return out;
     }
+    /// The same image, whose pixels are not in memory but where these calls find them; that of the view is not looked at.
+    [[nodiscard]] ImageSource with_calls(const SourceCalls<C>& calls) const noexcept {
+        ImageSource out = *this;
+        out.calls_ = calls;
+        return out;
+    }
+    /// Whether pixels are read when they are asked for. read(), pixel() and row() are those of windows then.
+    [[nodiscard]] bool is_read() const noexcept { return calls_.window != nullptr; }
+    /// What with_calls() was given, of a source that is_read().
+    [[nodiscard]] const SourceCalls<C>& calls() const noexcept { return calls_; }
+
+    /// Calls look() with a window that has the pixels of a rectangle, which may reach beyond the image along the axes of
+    /// periodic(): this source itself or, where it is_read(), a copy of them, which neither repeats nor has weights.
+    void with_window(const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) const {
+        if (is_read()) calls_.window(*this, rect, look);
+        else look({*this});
+    }
+    /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
+    /// than 2 px away. In any order, on this thread.
+    void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+        if (is_read()) return calls_.visit(*this, count, at, look);
+        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+    }
+
     /// How stored values became the samples; null: they are the samples.
     [[nodiscard]] const ChannelScale<C>* scale() const noexcept { return scale_; }
 
@@ -85,10 +149,13 @@ class ImageSource {
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
-        MomentTable<C> table(
-            rect, [this](int x, int y, int count, double* to) { read(x, y, count, to); },
-            [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
-            parallel_for);
+        MomentTable<C> table;
+        with_window(rect, [&](const SourceWindow<C>& window) {
+            table = MomentTable<C>(
+                rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
+                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
+                parallel_for);
+        });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
             table.set_far_sides({sides.right - rect.x, sides.bottom - rect.y});
@@ -114,7 +181,7 @@ class ImageSource {
     }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         double samples[std::size_t{C}];
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
         auto out = Lanes<lanes_for(C + 1)>::zero();
@@ -173,6 +240,7 @@ class ImageSource {
     Samples samples_ = Samples::squares;
     void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
     const ChannelScale<C>* scale_ = nullptr;
+    SourceCalls<C> calls_;  ///< without a window: the pixels are in memory
 };
 
 }  // namespace hmesh::kit

@@ -15,6 +15,7 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/channel_weights.hpp"
@@ -52,13 +53,13 @@ struct RenderedError {
 
 namespace detail {
 
-/// The error of a mesh in the faces [first, last); else as rendered_errors().
+/// Adds to `sum` the error of a mesh in the faces [first, last), whose pixels the window has; else as rendered_errors(). Never
+/// inlined: whatever is in memory, it rounds alike.
 template <int C>
-[[nodiscard]] RenderedError rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
-                                            const ChannelScale<C>& channels) {
+HMESH_NEVER_INLINE void add_rendered_errors(const Mesh& mesh, std::size_t first, std::size_t last, const ImageSource<C>& source,
+                                            const SourceWindow<C>& window, const ChannelScale<C>& channels, RenderedError& sum) {
     constexpr int chunk = 32;  // pixels read at once
     const ClipRect clip{source.width(), 0, source.height(), far_sides(source.width(), source.height(), mesh.samples)};
-    RenderedError out;
     std::array<double, std::size_t{C}> largest{};  // of each channel
     for (std::size_t f = first; f < last; ++f) {
         const Triangle& t = mesh.faces[f];
@@ -75,7 +76,7 @@ template <int C>
             for (int i = begin; i < end; ++i) {
                 const int place = (i - begin) % chunk;
                 if (place == 0) {
-                    source.read(i, j, std::min(chunk, end - i), samples);
+                    window.read(i, j, std::min(chunk, end - i), samples);
                     if (source.is_weighted()) source.read_weights(i, j, std::min(chunk, end - i), weights);
                 }
                 const double* const sample = samples + std::ptrdiff_t{C} * place;
@@ -91,11 +92,26 @@ template <int C>
                 energy += times * square;
             }
         });
-        out.energy += energy;
+        sum.energy += energy;
     }
     for (std::size_t k = 0; k < C; ++k)
-        if (channels.share[k] > 0) out.largest = std::max(out.largest, largest[k]);
-    return out;
+        if (channels.share[k] > 0) sum.largest = std::max(sum.largest, largest[k]);
+}
+
+/// The errors of all faces of a mesh, from those that add(first, last, sum) adds of some in a row.
+[[nodiscard]] HMESH_COLD inline RenderedError sum_rendered_errors(
+    const Mesh& mesh, const ParallelFor& parallel_for,
+    FunctionRef<void(std::size_t first, std::size_t last, RenderedError& sum)> add) {
+    constexpr std::size_t grain = 256;
+    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
+    for_each_chunk(parallel_for, mesh.faces.size(), grain,
+                   [&](std::size_t first, std::size_t last) { add(first, last, parts[first / grain]); });
+    RenderedError sum;
+    for (const RenderedError& part : parts) {
+        sum.energy += part.energy;
+        sum.largest = std::max(sum.largest, part.largest);
+    }
+    return sum;
 }
 
 }  // namespace detail
@@ -106,17 +122,10 @@ template <int C>
 [[nodiscard]] HMESH_COLD RenderedError rendered_errors(const Mesh& mesh, const ImageSource<C>& source,
                                                        const ParallelFor& parallel_for = {},
                                                        const ChannelScale<C>& channels = {}) {
-    constexpr std::size_t grain = 256;
-    Array<RenderedError> parts(mesh.faces.size() / grain + 1);
-    for_each_chunk(parallel_for, mesh.faces.size(), grain, [&](std::size_t begin, std::size_t end) {
-        parts[begin / grain] = detail::rendered_errors(mesh, begin, end, source, channels);
+    if (source.is_read()) return source.calls().error(source, mesh, parallel_for, channels);
+    return detail::sum_rendered_errors(mesh, parallel_for, [&](std::size_t first, std::size_t last, RenderedError& sum) {
+        detail::add_rendered_errors(mesh, first, last, source, SourceWindow<C>{source}, channels, sum);
     });
-    RenderedError sum;
-    for (const RenderedError& part : parts) {
-        sum.energy += part.energy;
-        sum.largest = std::max(sum.largest, part.largest);
-    }
-    return sum;
 }
 /// The same of an image's view, with `unit` as by weight_unit().
 template <class T, int C>

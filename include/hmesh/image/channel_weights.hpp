@@ -87,23 +87,36 @@ struct ChannelScale {
     [[nodiscard]] double factor(int c) const noexcept { return unit * share[static_cast<std::size_t>(c)]; }
 };
 
-/// The scale for an image, whose samples then lie in [0, 65535], and weights that check_channel_weights() accepts, one a channel.
+/// The values between which samples lie.
+struct SampleRange {
+    double low = 0,  ///< the smallest, or one below
+        high = 0;    ///< the largest, or one above
+};
+
+/// That of an image: of whole numbers what their type can be, of others what they are.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const ImageView<T, C>& view, const std::vector<double>& weights) {
-    ChannelScale<C> scale;
-    double low = PixelTraits<T>::lowest, high = PixelTraits<T>::highest;
+[[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view) {
+    SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
     if constexpr (!PixelTraits<T>::is_integer) {
-        low = high = PixelTraits<T>::to_real(*view.data);
+        range.low = range.high = PixelTraits<T>::to_real(*view.data);
         for (int y = 0; y < view.height; ++y) {
             const T* const row = view.row(y);
             for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
-                low = std::min(low, PixelTraits<T>::to_real(row[i]));
-                high = std::max(high, PixelTraits<T>::to_real(row[i]));
+                range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
+                range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
             }
         }
     }
-    scale.offset = low;
-    if (high > low) scale.unit = 65535 / (high - low);
+    return range;
+}
+
+/// The scale for an image with samples of this range, which then lie in [0, 65535], and weights that check_channel_weights()
+/// accepts, one a channel.
+template <int C>
+[[nodiscard]] HMESH_COLD ChannelScale<C> channel_scale(const SampleRange& range, const std::vector<double>& weights) {
+    ChannelScale<C> scale;
+    scale.offset = range.low;
+    if (range.high > range.low) scale.unit = 65535 / (range.high - range.low);
     scale.share = channel_shares<C>(weights);
     return scale;
 }

@@ -13,6 +13,7 @@
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/largest_error.hpp"
 #include "hmesh/methods/stage.hpp"
@@ -43,17 +44,21 @@ template <int C>
     return *std::max_element(largest.begin(), largest.end());
 }
 
-/// The colour of the image at p, bilinear; beyond the sides of a periodic image it goes on.
+/// Calls give(k, color) for each k < count with the colour of the image at at(k), bilinear; beyond the sides of a periodic image
+/// it goes on. In any order.
 template <int C>
-[[nodiscard]] HMESH_COLD Color<C> color_at(const ImageSource<C>& source, Point p) {
+HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, FunctionRef<Point(std::size_t k)> at,
+                            FunctionRef<void(std::size_t k, const Color<C>& color)> give) {
     const Torus torus{source.width(), source.height(), source.periodic()};
-    const Turns inside = turns_into(p, 0, 0, torus);
     // In the middle of three images, which go on on both sides.
     const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
     const int left = x ? source.width() : 0, top = y ? source.height() : 0;
-    p = turned(p, inside + Turns{x ? 1 : 0, y ? 1 : 0}, torus);
-    return sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
-                            [&](int i, int j) { return source.pixel(i - left, j - top); });
+    const auto place = [&](std::size_t k) { return inside(at(k), torus); };
+    source.visit(count, place, [&](const SourceWindow<C>& window, std::size_t k) {
+        const Point p = place(k);
+        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), {p.x + left, p.y + top},
+                                 [&](int i, int j) { return window.pixel(i - left, j - top); }));
+    });
 }
 
 /// bounded_colors() of a periodic mesh, in which a vertex and its copies are one. Vertices on a straight border are tied to the
@@ -76,15 +81,21 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     Array<std::uint32_t> rows;
     Array<Color<C>> colors;
     Array<ColorTie<C>> ties;
+    Array<Point> tie_points;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), low, high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
-            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0))
-            ties.push_back({tied.rows[v], tie_weight, color_at(source, p)});
+            (wraps_y(mesh.periodic) && std::fmod(p.y, mesh.height) == 0)) {
+            ties.push_back({tied.rows[v], tie_weight, Color<C>::zero()});
+            tie_points.push_back(p);
+        }
     }
+    find_colors<C>(
+        source, ties.size(), [&](std::size_t k) { return tie_points[k]; },
+        [&](std::size_t k, const Color<C>& color) { ties[k].color = color; });
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
@@ -102,12 +113,13 @@ template <int C>
 HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        Color<C>& color = mesh.colors[v];
-        color = detail::color_at(source, mesh.positions[v]);
-        if (grid > 0)
-            for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
-    }
+    detail::find_colors<C>(
+        source, mesh.vertex_count(), [&](std::size_t v) { return mesh.positions[v]; },
+        [&](std::size_t v, const Color<C>& sampled) {
+            Color<C>& color = mesh.colors[v] = sampled;
+            if (grid > 0)
+                for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
+        });
     return {{}, detail::measure_finally(tiled, tiling)};
 }
 

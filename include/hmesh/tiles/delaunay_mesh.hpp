@@ -89,10 +89,13 @@ template <int C>
     mesh.positions.reserve(delaunay.topology().vertex_count());
     mesh.colors.reserve(delaunay.topology().vertex_count());
     mesh.dirty.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) {
-        const Point p = delaunay.position(v);
-        mesh.add(p, source.pixel(static_cast<int>(p.x), static_cast<int>(p.y)));
-    }
+    for (const Vertex v : delaunay.topology().vertices()) mesh.add(delaunay.position(v), Color<C>::zero());
+    source.visit(
+        mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
+        [&](const SourceWindow<C>& window, std::size_t k) {
+            const Point p = mesh.positions[k];
+            mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+        });
     mesh.faces = delaunay.topology().triangles();
     return mesh;
 }

@@ -150,7 +150,11 @@ template <int C>
     mesh.samples = source.samples();
     const double low = inset(mesh.samples);
     for (const int y : {0, source.height()})
-        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, source.pixel(x, y));
+        for (const int x : {0, source.width()}) mesh.add({x == 0 ? low : x - low, y == 0 ? low : y - low}, Color<C>::zero());
+    const auto corner = [&](std::size_t k) { return Point{k % 2 == 0 ? 0.0 : mesh.width, k < 2 ? 0.0 : mesh.height}; };
+    source.visit(4, corner, [&](const SourceWindow<C>& window, std::size_t k) {
+        mesh.colors[k] = window.pixel(static_cast<int>(corner(k).x), static_cast<int>(corner(k).y));
+    });
     mesh.faces = {{0, 1, 2}, {1, 3, 2}};
     return mesh;
 }

@@ -97,10 +97,11 @@ struct Cut {
     return counts;
 }
 
-/// The tiles of size > 0, the largest first.
-[[nodiscard]] HMESH_COLD inline Array<std::size_t> largest_first(const Array<double>& sizes) {
+/// The tiles of size > 0, the largest first or in their order.
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> order_of_work(const Array<double>& sizes, bool largest_first) {
     Array<std::size_t> tiles;
-    for (const Coded& at : sorted_numbers(sizes.size(), [&](std::uint32_t k) { return code_of(-sizes[k]); }))
+    const auto code = [&](std::uint32_t k) { return largest_first ? code_of(-sizes[k]) : 0; };
+    for (const Coded& at : sorted_numbers(sizes.size(), code))
         if (sizes[at.number] > 0) tiles.push_back(at.number);
     return tiles;
 }

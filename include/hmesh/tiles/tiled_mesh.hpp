@@ -175,9 +175,10 @@ class TiledMesh {
         return &notes_.table;
     }
 
-    /// Calls body(tile, task) for the tiles of size > 0, the largest first; after a cancellation no more, unless `all`.
+    /// Calls body(tile, task) for the tiles of size > 0, the largest first or, of an image that is read, in their order, so that
+    /// who reads it may keep what lies beside a tile; after a cancellation no more, unless `all`.
     HMESH_COLD void run(const Array<double>& sizes, FunctionRef<void(std::size_t, TaskProgress&)> body, bool all = false) {
-        const Array<std::size_t> tiles = detail::largest_first(sizes);
+        const Array<std::size_t> tiles = detail::order_of_work(sizes, !source_->is_read());
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {

@@ -218,6 +218,10 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
     add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: 128 to 256, by the number of vertices)",
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
+    app.add_flag_callback(
+        "--out-of-core", [&] { out.out_of_core = true; },
+        "read the image by rectangles where they are needed, rather than into memory: PGM, PPM, PFM\n"
+        "and TIFF files up to 65536 x 65536; the mesh is the same. For .ply, .obj and .glb");
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
 }
@@ -478,6 +482,19 @@ std::string find_outline_conflict(const CLI::App& app, const std::vector<std::st
     return {};
 }
 
+// What is wrong with an image that is read by rectangles: much else wants all of it.
+std::string find_rectangle_conflict(const CLI::App& app, const Arguments& arguments) {
+    if (arguments.meshing.method != Method::annealed)
+        return std::string("--out-of-core means nothing to --method ") + name_of(methods, arguments.meshing.method);
+    for (const char* option : {"--psnr", "--good-enough", "--fit-space", "--sprite", "--outline", "--with", "--lods", "--render",
+                               "--wireframe", "--residual", "--strip", "--premultiplied", "--keep-partial", "--glb-bits"})
+        if (app.count(option) != 0) return std::string(option) + " wants the whole image, which --out-of-core does not read";
+    for (const MeshFile& mesh : arguments.meshes)
+        if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
+            return "--out-of-core makes large meshes, for .ply, .obj and .glb: '" + mesh.name + "' is none";
+    return {};
+}
+
 // What is wrong with a command line of which each option is right by itself.
 std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
     if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
@@ -531,6 +548,8 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (arguments.sprite && arguments.meshing.fit_space != FitSpace::stored)
         return "--fit-space linear fits straight colours, and --sprite those times alpha: leave one of them out";
     if (!arguments.outline && !arguments.outline_options.holes) return "--no-holes is given without --outline";
+    if (arguments.out_of_core)
+        if (std::string why = find_rectangle_conflict(app, arguments); !why.empty()) return why;
     if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
     return find_conflict(arguments.meshing);
 }

@@ -76,6 +76,7 @@ struct Arguments {
     bool quiet = false;
     bool json = false;                 // the report on the standard output, for the summary
     bool keep_partial = false;         // after an interrupt
+    bool out_of_core = false;          // the image is read by rectangles
     std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name} or {lod}
 };
 

@@ -6,10 +6,13 @@
 #define HMESH_TOOLS_READERS_IMAGE_FILE_HPP
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 namespace tool {
+
+class RectangleFile;  // rectangles.hpp
 
 // The pixels of a file, packed: in `samples8` where bits is 8, in `samples16` where it is 16, in `samples32` where it is 32.
 struct ImageFile {
@@ -18,7 +21,8 @@ struct ImageFile {
     std::vector<std::uint8_t> samples8;
     std::vector<std::uint16_t> samples16;
     std::vector<float> samples32;
-    std::string note;     // what the file has beside this picture, a sentence; empty: nothing
+    std::shared_ptr<RectangleFile> rectangles;  // where the file is read by rectangles: then there are no samples
+    std::string note;                           // what the file has beside this picture, a sentence; empty: nothing
     int orientation = 1;  // of the picture in a PNG or JPEG file as Exif numbers them, 1 to 8; here it is upright
 };
 

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <cstring>
 
+#include "readers/plain_layout.hpp"
 #include "readers/pnm_header.hpp"
 #include "readers/readers.hpp"
 
@@ -23,22 +24,37 @@ double next_real(Bytes file, std::size_t& at) {
 
 // T is uint8_t where the maximum is at most 255, else uint16_t.
 template <class T>
-std::string take_samples(Bytes file, std::size_t at, std::uint32_t maximum, std::vector<T>& samples) {
+std::string take_whole(const unsigned char* bytes, std::size_t count, std::uint32_t maximum, T* samples) {
     const std::uint32_t full = sizeof(T) == 1 ? 255 : 65535;
-    const unsigned char* bytes = file.data + at;
-    for (T& sample : samples) {
+    for (std::size_t k = 0; k < count; ++k) {
         std::uint32_t value = *bytes++;
         if constexpr (sizeof(T) == 2) value = value * 256 + *bytes++;
         if (value > maximum)
             return "it has a sample above the maximum of its PNM header (" + std::to_string(value) + ", limit " +
                    std::to_string(maximum) + ")";
-        sample = static_cast<T>((value * full + maximum / 2) / maximum);
+        samples[k] = static_cast<T>((value * full + maximum / 2) / maximum);
     }
     return {};
 }
 
-std::size_t bytes_of(int width, int height, int channels, std::size_t size) {
-    return static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(channels) * size;
+// Reads a file whose layout is known. Samples lie row by row.
+std::string read_rows(Bytes file, const PlainLayout& layout, ImageFile& image) {
+    const auto rows = static_cast<std::size_t>(layout.height);
+    const std::size_t needs = layout.row_bytes() * rows;
+    if (!file.has(layout.first, needs)) return too_short(file.size, layout.first + needs);
+    if (std::string why = start_image(image, layout.width, layout.height, layout.channels, layout.bits()); !why.empty())
+        return why;
+    void* const samples = layout.sample_bytes == 1   ? static_cast<void*>(image.samples8.data())
+                          : layout.sample_bytes == 2 ? static_cast<void*>(image.samples16.data())
+                                                     : static_cast<void*>(image.samples32.data());
+    for (std::size_t y = 0; y < rows; ++y) {
+        const unsigned char* const from =
+            file.data + layout.first + (layout.is_bottom_up ? rows - 1 - y : y) * layout.row_bytes();
+        std::string why = take_samples(layout, from, layout.row_bytes() / layout.sample_bytes,
+                                       static_cast<unsigned char*>(samples) + y * layout.row_bytes());
+        if (!why.empty()) return why;
+    }
+    return {};
 }
 
 }  // namespace
@@ -49,43 +65,60 @@ void find_pnm_size(Bytes file, std::int64_t& width, std::int64_t& height) {
     height = next_number(file, at);
 }
 
-std::string read_pnm(Bytes file, ImageFile& image) {
+std::string read_pnm_layout(Bytes file, PlainLayout& layout) {
+    layout = {};
     std::size_t at = 2;
-    const int channels = file.u8(1) == '6' ? 3 : 1;
-    const int width = next_number(file, at), height = next_number(file, at), maximum = next_number(file, at);
-    if (width < 1 || height < 1) return "its PNM header has no valid size";
-    if (std::string why = check_size(width, height); !why.empty()) return why;
+    layout.channels = file.u8(1) == '6' ? 3 : 1;
+    layout.width = next_number(file, at);
+    layout.height = next_number(file, at);
+    const int maximum = next_number(file, at);
+    if (layout.width < 1 || layout.height < 1) return "its PNM header has no valid size";
     if (maximum < 1 || maximum > 65535) return "its PNM header has no maximum from 1 to 65535";
     if (!is_space(file.u8(at++))) return "its PNM header does not end in white space";
-    const int bits = maximum > 255 ? 16 : 8;
-    const std::size_t needs = bytes_of(width, height, channels, static_cast<std::size_t>(bits) / 8);
-    if (!file.has(at, needs)) return too_short(file.size, at + needs);
-    if (std::string why = start_image(image, width, height, channels, bits); !why.empty()) return why;
-    const auto most = static_cast<std::uint32_t>(maximum);
-    return bits == 16 ? take_samples(file, at, most, image.samples16) : take_samples(file, at, most, image.samples8);
+    layout.maximum = static_cast<std::uint32_t>(maximum);
+    layout.sample_bytes = maximum > 255 ? 2 : 1;
+    layout.first = at;
+    return {};
 }
 
-std::string read_pfm(Bytes file, ImageFile& image) {
+std::string read_pfm_layout(Bytes file, PlainLayout& layout) {
+    layout = {};
     std::size_t at = 2;
-    const int channels = file.u8(1) == 'F' ? 3 : 1;
-    const int width = next_number(file, at), height = next_number(file, at);
-    if (width < 1 || height < 1) return "its PFM header has no valid size";
-    if (std::string why = check_size(width, height); !why.empty()) return why;
+    layout.channels = file.u8(1) == 'F' ? 3 : 1;
+    layout.width = next_number(file, at);
+    layout.height = next_number(file, at);
+    if (layout.width < 1 || layout.height < 1) return "its PFM header has no valid size";
     const double scale = next_real(file, at);
     if (!std::isfinite(scale) || !(scale < 0 || scale > 0)) return "its PFM header has no scale other than 0";
     if (!is_space(file.u8(at++))) return "its PFM header does not end in white space";
-    const std::size_t row = bytes_of(width, 1, channels, 4);
-    const std::size_t needs = row * static_cast<std::size_t>(height);
-    if (!file.has(at, needs)) return too_short(file.size, at + needs);
-    if (std::string why = start_image(image, width, height, channels, 32); !why.empty()) return why;
-    float* to = image.samples32.data();
-    for (int y = height - 1; y >= 0; --y)  // rows from bottom to top; the sign of the scale is the order of bytes
-        for (std::size_t k = 0; k < row; k += 4) {
-            const std::size_t from = at + static_cast<std::size_t>(y) * row + k;
-            const std::uint32_t word = scale < 0 ? file.le32(from) : file.be32(from);
-            std::memcpy(to++, &word, 4);
-        }
+    layout.sample_bytes = 4;
+    layout.is_little = scale < 0;
+    layout.is_bottom_up = true;
+    layout.first = at;
     return {};
+}
+
+std::string take_samples(const PlainLayout& layout, const unsigned char* bytes, std::size_t count, void* samples) {
+    if (layout.sample_bytes == 1) return take_whole(bytes, count, layout.maximum, static_cast<std::uint8_t*>(samples));
+    if (layout.sample_bytes == 2) return take_whole(bytes, count, layout.maximum, static_cast<std::uint16_t*>(samples));
+    const Bytes words{bytes, 4 * count};
+    for (std::size_t k = 0; k < count; ++k) {
+        const std::uint32_t word = layout.is_little ? words.le32(4 * k) : words.be32(4 * k);
+        std::memcpy(static_cast<unsigned char*>(samples) + 4 * k, &word, 4);
+    }
+    return {};
+}
+
+std::string read_pnm(Bytes file, ImageFile& image) {
+    PlainLayout layout;
+    if (std::string why = read_pnm_layout(file, layout); !why.empty()) return why;
+    return read_rows(file, layout, image);
+}
+
+std::string read_pfm(Bytes file, ImageFile& image) {
+    PlainLayout layout;
+    if (std::string why = read_pfm_layout(file, layout); !why.empty()) return why;
+    return read_rows(file, layout, image);
 }
 
 }  // namespace tool

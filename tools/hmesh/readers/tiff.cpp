@@ -1,6 +1,8 @@
 // TIFF files (revision 6.0), by libtiff: grey, RGB and CMYK of 8 and 16 bits and floats as they are stored, all else, such as
-// palettes, bilevel pictures and YCbCr, by libtiff's way to 8-bit RGB. The first page.
+// palettes, bilevel pictures and YCbCr, by libtiff's way to 8-bit RGB. The first page. What is stored is read by rectangles too,
+// strips or tiles of the file being decoded where they are wanted.
 #include "readers/readers.hpp"
+#include "readers/rectangles.hpp"
 
 #ifdef HMESH_HAS_TIFF
 #include <tiffio.h>
@@ -9,7 +11,17 @@
 #include <cstdarg>
 #include <cstdio>
 #include <cstring>
+#include <map>
 #include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/image/image_reader.hpp"
+#include "readers/file_at.hpp"
+#include "readers/image_file.hpp"
+#include "terminal/words.hpp"
 #endif
 
 namespace tool {
@@ -18,16 +30,18 @@ namespace tool {
 
 namespace {
 
-// A file in memory, and the first thing that libtiff said against it.
+// A file in memory, or one that is read where libtiff wants it, and the first thing that was said against it.
 struct TiffSource {
     Bytes file;
-    std::size_t at = 0;
+    const FileAt* large = nullptr;  // in place of that
+    std::uint64_t at = 0;
     std::string why;
 
     static TiffSource& of(thandle_t handle) { return *static_cast<TiffSource*>(handle); }
     static tmsize_t read(thandle_t handle, void* to, tmsize_t count) {
         TiffSource& source = of(handle);
-        const Bytes part = source.file.part(source.at, static_cast<std::size_t>(count));
+        if (source.large != nullptr) return source.read_large(to, static_cast<std::uint64_t>(count));
+        const Bytes part = source.file.part(static_cast<std::size_t>(source.at), static_cast<std::size_t>(count));
         if (part.size != 0) std::memcpy(to, part.data, part.size);
         source.at += part.size;
         return static_cast<tmsize_t>(part.size);
@@ -35,12 +49,25 @@ struct TiffSource {
     static tmsize_t write(thandle_t /*handle*/, void* /*from*/, tmsize_t /*count*/) { return -1; }
     static toff_t seek(thandle_t handle, toff_t to, int whence) {
         TiffSource& source = of(handle);
-        const toff_t base = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? source.at : source.file.size;
-        source.at = static_cast<std::size_t>(base + to);
+        const toff_t base = whence == SEEK_SET ? 0 : whence == SEEK_CUR ? source.at : size(handle);
+        source.at = base + to;
         return source.at;
     }
     static int close(thandle_t /*handle*/) { return 0; }
-    static toff_t size(thandle_t handle) { return of(handle).file.size; }
+    static toff_t size(thandle_t handle) {
+        const TiffSource& source = of(handle);
+        return source.large != nullptr ? source.large->size() : source.file.size;
+    }
+    tmsize_t read_large(void* to, std::uint64_t count) {
+        count = at > large->size() ? 0 : std::min(count, large->size() - at);
+        if (count == 0) return 0;
+        if (const std::string wrong = large->read(at, static_cast<std::size_t>(count), to); !wrong.empty()) {
+            if (why.empty()) why = wrong;
+            return 0;
+        }
+        at += count;
+        return static_cast<tmsize_t>(count);
+    }
 
     static void hear_error(thandle_t handle, const char* module, const char* format, std::va_list values) {
         if (handle == nullptr || !of(handle).why.empty()) return;
@@ -128,7 +155,7 @@ std::string find_unread(const Layout& layout) {
 
 // What compression cannot have made: none of these makes more than 4096 bytes of one. Those that make more of nothing are left
 // out.
-std::string check_compression(const Layout& layout, std::size_t file_size) {
+std::string check_compression(const Layout& layout, std::uint64_t file_size) {
     const std::size_t bits = std::size_t{layout.width} * layout.samples * layout.bits;
     const std::size_t needed = (bits + 7) / 8 * layout.height;
     switch (layout.compression) {
@@ -152,6 +179,32 @@ void copy_part(const unsigned char* from, const Layout& layout, std::uint32_t x,
         for (std::uint32_t column = 0; column < columns; ++column)
             std::memcpy(to + ((std::size_t{y} + row) * layout.width + x + column) * pixel + first * size,
                         from + (std::size_t{row} * stride + column) * step * size, step * size);
+}
+
+// How the picture is cut into strips or tiles.
+struct Parts {
+    bool are_tiles = false;
+    std::uint32_t width = 0, height = 0;  // px
+    std::uint32_t planes = 1, step = 1;   // step: samples of a pixel in a plane
+    std::uint32_t columns = 1, rows = 1;  // how many
+};
+
+// How large strips and tiles are, and how many there are. Returns "" or what is wrong with them.
+std::string find_parts(TIFF* tiff, const Layout& layout, Parts& parts) {
+    parts.are_tiles = TIFFIsTiled(tiff) != 0;
+    parts.width = layout.width;
+    parts.height = std::min(layout.height, tag<std::uint32_t>(tiff, TIFFTAG_ROWSPERSTRIP, layout.height));
+    if (parts.are_tiles) {
+        parts.width = tag<std::uint32_t>(tiff, TIFFTAG_TILEWIDTH, 0);
+        parts.height = tag<std::uint32_t>(tiff, TIFFTAG_TILELENGTH, 0);
+    }
+    if (parts.width == 0 || parts.height == 0 || parts.width > 65536 || parts.height > 65536)
+        return std::string("its ") + (parts.are_tiles ? "tiles" : "strips") + " have no valid size";
+    parts.planes = layout.planar == PLANARCONFIG_SEPARATE ? layout.samples : 1U;
+    parts.step = layout.samples / parts.planes;
+    parts.columns = (layout.width - 1) / parts.width + 1;
+    parts.rows = (layout.height - 1) / parts.height + 1;
+    return {};
 }
 
 // All samples of all pixels, interleaved.
@@ -201,16 +254,15 @@ void divide_by_alpha(T* pixel, int colors, double peak) {
     }
 }
 
+// Makes `pixels` pixels of a picture of `channels` channels.
 template <class T>
-void take_samples(const Layout& layout, const std::vector<unsigned char>& bytes, double peak, ImageFile& image,
-                  std::vector<T>& to) {
-    const std::size_t pixels = std::size_t{layout.width} * layout.height;
-    const int colors = layout.colors, channels = image.channels;
+void take_samples(const Layout& layout, const unsigned char* bytes, std::size_t pixels, double peak, int channels, T* to) {
+    const int colors = layout.colors;
     std::vector<T> pixel(layout.samples);
     for (std::size_t i = 0; i < pixels; ++i) {
-        std::memcpy(pixel.data(), bytes.data() + i * layout.samples * sizeof(T), layout.samples * sizeof(T));
+        std::memcpy(pixel.data(), bytes + i * layout.samples * sizeof(T), layout.samples * sizeof(T));
         if (layout.photometric == PHOTOMETRIC_MINISWHITE) pixel[0] = static_cast<T>(peak - static_cast<double>(pixel[0]));
-        T* const out = to.data() + i * static_cast<std::size_t>(channels);
+        T* const out = to + i * static_cast<std::size_t>(channels);
         if (layout.photometric == PHOTOMETRIC_SEPARATED) {
             if constexpr (sizeof(T) < 4) cmyk_to_rgb(pixel.data(), 1, false, out);
             continue;
@@ -220,15 +272,26 @@ void take_samples(const Layout& layout, const std::vector<unsigned char>& bytes,
     }
 }
 
+// The same in samples of as many bits as the file's.
+void take_samples(const Layout& layout, const unsigned char* bytes, std::size_t pixels, int channels, void* to) {
+    if (layout.bits == 8) take_samples(layout, bytes, pixels, 255, channels, static_cast<std::uint8_t*>(to));
+    else if (layout.bits == 16) take_samples(layout, bytes, pixels, 65535, channels, static_cast<std::uint16_t*>(to));
+    else take_samples(layout, bytes, pixels, 1, channels, static_cast<float*>(to));
+}
+
+int channels_of(const Layout& layout) {
+    return layout.photometric == PHOTOMETRIC_SEPARATED ? 3 : layout.colors + (layout.has_alpha ? 1 : 0);
+}
+
 std::string read_plain(TIFF* tiff, const Layout& layout, ImageFile& image) {
     std::vector<unsigned char> bytes;
     if (std::string why = read_samples(tiff, layout, bytes); !why.empty()) return why;
-    const bool is_cmyk = layout.photometric == PHOTOMETRIC_SEPARATED;
-    const int channels = is_cmyk ? 3 : layout.colors + (layout.has_alpha ? 1 : 0);
-    if (std::string why = start_image(image, layout.width, layout.height, channels, layout.bits); !why.empty()) return why;
-    if (layout.bits == 8) take_samples(layout, bytes, 255, image, image.samples8);
-    else if (layout.bits == 16) take_samples(layout, bytes, 65535, image, image.samples16);
-    else take_samples(layout, bytes, 1, image, image.samples32);
+    if (std::string why = start_image(image, layout.width, layout.height, channels_of(layout), layout.bits); !why.empty())
+        return why;
+    void* const to = layout.bits == 8    ? static_cast<void*>(image.samples8.data())
+                     : layout.bits == 16 ? static_cast<void*>(image.samples16.data())
+                                         : static_cast<void*>(image.samples32.data());
+    take_samples(layout, bytes.data(), std::size_t{layout.width} * layout.height, image.channels, to);
     return {};
 }
 
@@ -249,6 +312,133 @@ std::string read_as_rgb(TIFF* tiff, const Layout& layout, ImageFile& image) {
     return {};
 }
 
+// A file by rectangles. Strips or tiles are decoded by one thread at a time, and those of two rows of tiles of the mesh are kept.
+class TiffFile : public RectangleFile {
+  public:
+    // Opens a file. Returns "" or what is wrong.
+    [[nodiscard]] std::string open(const std::string& path) {
+        if (std::string why = file_.open(path); !why.empty()) return why;
+        source_.large = &file_;
+        tiff_ = open_tiff(source_);
+        if (tiff_ == nullptr) return source_.why.empty() ? "libtiff refuses its header" : source_.why;
+        layout_ = read_layout(tiff_.get());
+        if (layout_.width > 65536 || layout_.height > 65536 || layout_.width == 0 || layout_.height == 0)
+            return "its sides must be 1 to 65536 px";
+        if (layout_.samples < 1 || layout_.samples > 16)
+            return "it has " + std::to_string(layout_.samples) + " samples a pixel, not 1 to 16";
+        if (std::string why = find_unread(layout_); !why.empty()) return why;
+        if (!layout_.is_plain()) return "it has palettes, bits or YCbCr, which are not read by rectangles";
+        if (layout_.orientation != 1) return "it is turned, and not read by rectangles";
+        if (std::string why = check_compression(layout_, file_.size()); !why.empty()) return why;
+        if (std::string why = find_parts(tiff_.get(), layout_, parts_); !why.empty()) return why;
+        const std::size_t part = part_bytes(parts_.height);
+        if (part > std::size_t{1} << 28U)
+            return std::string("its ") + (parts_.are_tiles ? "tiles" : "strips") + " of " + std::to_string(part) +
+                   " bytes are too large to be read by rectangles";
+        const std::size_t rows = std::size_t{600} * layout_.width * layout_.samples * layout_.sample_bytes();
+        most_ = std::max<std::size_t>(4 * parts_.planes, (rows + (std::size_t{1} << 24U)) / part + 1);
+        if (!source_.why.empty()) return source_.why;
+        return {};
+    }
+    [[nodiscard]] const Layout& layout() const noexcept { return layout_; }
+    [[nodiscard]] bool has_more_pages() const { return TIFFLastDirectory(tiff_.get()) == 0; }
+    [[nodiscard]] std::string why() const override { return source_.why; }
+
+    bool read(const hmesh::kit::Rect& rect, void* samples, std::ptrdiff_t row_stride) override {
+        const std::size_t pixel = layout_.samples * layout_.sample_bytes();
+        const auto width = static_cast<std::size_t>(rect.width), height = static_cast<std::size_t>(rect.height);
+        std::vector<unsigned char> bytes(width * height * pixel);
+        {
+            const std::lock_guard<std::mutex> lock(mutex_);
+            const auto left = static_cast<std::uint32_t>(rect.x), top = static_cast<std::uint32_t>(rect.y);
+            const std::uint32_t right = left + static_cast<std::uint32_t>(rect.width) - 1;
+            const std::uint32_t bottom = top + static_cast<std::uint32_t>(rect.height) - 1;
+            for (std::uint32_t plane = 0; plane < parts_.planes; ++plane)
+                for (std::uint32_t j = top / parts_.height; j <= bottom / parts_.height; ++j)
+                    for (std::uint32_t i = left / parts_.width; i <= right / parts_.width; ++i) {
+                        const std::vector<unsigned char>* const part = find_part(plane, i, j);
+                        if (part == nullptr) return false;
+                        copy(*part, plane, i, j, rect, bytes.data());
+                    }
+        }
+        for (std::size_t y = 0; y < height; ++y)
+            take_samples(layout_, bytes.data() + y * width * pixel, width, channels_of(layout_),
+                         static_cast<unsigned char*>(samples) + static_cast<std::ptrdiff_t>(y) * row_stride);
+        return true;
+    }
+
+  private:
+    struct Kept {
+        std::vector<unsigned char> bytes;
+        std::uint64_t used = 0;  // when it was last
+    };
+
+    [[nodiscard]] std::size_t part_bytes(std::uint32_t rows) const {
+        return std::size_t{parts_.width} * rows * parts_.step * layout_.sample_bytes();
+    }
+    // The decoded part, which stays until others are asked for; null: it cannot be decoded.
+    const std::vector<unsigned char>* find_part(std::uint32_t plane, std::uint32_t i, std::uint32_t j) {
+        const std::uint32_t index = (plane * parts_.rows + j) * parts_.columns + i;
+        if (const auto found = kept_.find(index); found != kept_.end()) {
+            found->second.used = ++time_;
+            return &found->second.bytes;
+        }
+        std::vector<unsigned char> bytes;
+        if (kept_.size() >= most_) {
+            const auto oldest = std::min_element(kept_.begin(), kept_.end(),
+                                                 [](const auto& a, const auto& b) { return a.second.used < b.second.used; });
+            bytes = std::move(oldest->second.bytes);
+            kept_.erase(oldest);
+        }
+        const std::uint32_t rows = parts_.are_tiles ? parts_.height : std::min(parts_.height, layout_.height - j * parts_.height);
+        bytes.resize(part_bytes(rows));
+        const auto size = static_cast<tmsize_t>(bytes.size());
+        const tmsize_t got = parts_.are_tiles ? TIFFReadEncodedTile(tiff_.get(), index, bytes.data(), size)
+                                              : TIFFReadEncodedStrip(tiff_.get(), index, bytes.data(), size);
+        if (got != size || !source_.why.empty()) {
+            if (source_.why.empty())
+                source_.why = std::string("its ") + (parts_.are_tiles ? "tile " : "strip ") + std::to_string(index) +
+                              " is cut off or damaged";
+            return nullptr;
+        }
+        Kept& kept = kept_[index];
+        kept = {std::move(bytes), ++time_};
+        return &kept.bytes;
+    }
+    // What a part has of a rectangle, whose pixels have all samples.
+    void copy(const std::vector<unsigned char>& part, std::uint32_t plane, std::uint32_t i, std::uint32_t j,
+              const hmesh::kit::Rect& rect, unsigned char* to) const {
+        const int x = static_cast<int>(i * parts_.width), y = static_cast<int>(j * parts_.height);
+        const int left = std::max(rect.x, x), right = std::min(rect.x + rect.width, x + static_cast<int>(parts_.width));
+        const int top = std::max(rect.y, y), bottom = std::min(rect.y + rect.height, y + static_cast<int>(parts_.height));
+        const std::size_t size = layout_.sample_bytes(), pixel = layout_.samples * size, run = parts_.step * size;
+        for (int row = top; row < bottom; ++row) {
+            const unsigned char* from =
+                part.data() + (static_cast<std::size_t>(row - y) * parts_.width + static_cast<std::size_t>(left - x)) * run;
+            unsigned char* out = to + (static_cast<std::size_t>(row - rect.y) * static_cast<std::size_t>(rect.width) +
+                                       static_cast<std::size_t>(left - rect.x)) *
+                                          pixel;
+            const auto count = static_cast<std::size_t>(right - left);
+            if (run == pixel) {
+                std::memcpy(out, from, count * pixel);
+                continue;
+            }
+            out += plane * run;
+            for (std::size_t k = 0; k < count; ++k, out += pixel, from += run) std::memcpy(out, from, run);
+        }
+    }
+
+    FileAt file_;
+    TiffSource source_;
+    Tiff tiff_{nullptr, TIFFClose};
+    Layout layout_;
+    Parts parts_;
+    std::mutex mutex_;
+    std::map<std::uint32_t, Kept> kept_;
+    std::size_t most_ = 0;  // parts that are kept
+    std::uint64_t time_ = 0;
+};
+
 std::string read_page(TIFF* tiff, std::size_t file_size, ImageFile& image, Layout& layout) {
     layout = read_layout(tiff);
     if (std::string why = check_size(layout.width, layout.height); !why.empty()) return why;
@@ -262,7 +452,8 @@ std::string read_page(TIFF* tiff, std::size_t file_size, ImageFile& image, Layou
 }  // namespace
 
 std::string read_tiff(Bytes file, ImageFile& image) {
-    TiffSource source{file, 0, {}};
+    TiffSource source;
+    source.file = file;
     const Tiff tiff = open_tiff(source);
     if (tiff == nullptr) return source.why.empty() ? "libtiff refuses its header" : source.why;
     Layout layout;
@@ -271,6 +462,20 @@ std::string read_tiff(Bytes file, ImageFile& image) {
     if (!why.empty()) return why;
     if (TIFFLastDirectory(tiff.get()) == 0) image.note = "the file has more pages than one: its first page is taken";
     turn_upright(layout.orientation, image);
+    return {};
+}
+
+std::string open_tiff_rectangles(const std::string& path, ImageFile& image) {
+    auto file = std::make_shared<TiffFile>();
+    if (std::string why = file->open(path); !why.empty()) return why;
+    const Layout& layout = file->layout();
+    image = {};
+    image.width = static_cast<int>(layout.width);
+    image.height = static_cast<int>(layout.height);
+    image.channels = channels_of(layout);
+    image.bits = layout.bits;
+    if (file->has_more_pages()) image.note = "the file has more pages than one: its first page is taken";
+    image.rectangles = std::move(file);
     return {};
 }
 
@@ -283,6 +488,9 @@ std::string tiff_decoder() {
 #else
 
 std::string read_tiff(Bytes /*file*/, ImageFile& /*image*/) {
+    return "it is a TIFF file, and this hmesh was built without libtiff";
+}
+std::string open_tiff_rectangles(const std::string& /*path*/, ImageFile& /*image*/) {
     return "it is a TIFF file, and this hmesh was built without libtiff";
 }
 std::string tiff_decoder() { return {}; }

@@ -184,13 +184,18 @@ class AnnealedRun {
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
+        const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
         Array<std::uint32_t> pixels;
         Array<Point> on_seams;
-        {
+        if (source.is_read() && source.periodic() == Periodic::none) {
+            const auto count = static_cast<std::size_t>(std::min(most, wanted));
+            pixels = source.calls().points(source, count, tiled_->parallel_for(), go_on);
+            if (progress().stopped()) return false;
+        } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(source.pixels(), wanted);
+            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
                 on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());

@@ -72,22 +72,24 @@ template <int C>
 template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
     Array<Point> vertices;
-    const auto add_side = [&](int count, bool has_ends, FunctionRef<Point(int i)> place) {
-        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(count));
-        for (int i = 0; i < count; ++i) {
-            const Point p = place(i);
-            const auto color = source.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
-            for (std::size_t c = 0; c < C; ++c) samples[static_cast<std::size_t>(i)][c] = color[static_cast<int>(c)];
-        }
+    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) {
+        Array<std::array<double, std::size_t{C}>> samples(static_cast<std::size_t>(std::max(side.width, side.height)));
+        source.with_window(side, [&](const SourceWindow<C>& window) {
+            for (std::size_t i = 0; i < samples.size(); ++i) {
+                const Point p = place(static_cast<int>(i));
+                const auto color = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
+                for (std::size_t c = 0; c < C; ++c) samples[i][c] = color[static_cast<int>(c)];
+            }
+        });
         const Array<std::uint32_t> nodes = polyline_nodes<C>(samples, tolerance);
         for (std::size_t k = has_ends ? 0 : 1; k + (has_ends ? 0 : 1) < nodes.size(); ++k)
             vertices.push_back(place(static_cast<int>(nodes[k])));
     };
     const int width = source.width(), height = source.height();
-    add_side(width, true, [](int i) { return Point{i + 0.5, 0.5}; });
-    add_side(width, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
-    add_side(height, false, [](int i) { return Point{0.5, i + 0.5}; });
-    add_side(height, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
+    add_side({0, 0, width, 1}, true, [](int i) { return Point{i + 0.5, 0.5}; });
+    add_side({0, height - 1, width, 1}, true, [&](int i) { return Point{i + 0.5, height - 0.5}; });
+    add_side({0, 0, 1, height}, false, [](int i) { return Point{0.5, i + 0.5}; });
+    add_side({width - 1, 0, 1, height}, false, [&](int i) { return Point{width - 0.5, i + 0.5}; });
     return vertices;
 }
 

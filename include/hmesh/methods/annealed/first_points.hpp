@@ -9,7 +9,8 @@
 /// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
 /// 2018), whose values nearby differ as much as they can.
 ///
-/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel.
+/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not
+/// in memory three times that, and nothing for each pixel.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 
@@ -66,14 +67,15 @@ inline void find_bends(const double* above, const double* here, const double* be
 template <int C>
 class SmoothRows {
   public:
-    explicit SmoothRows(const ImageSource<C>& source)
-        : source_(&source), size_(std::ptrdiff_t{C} * source.width()), stride_(size_ + std::ptrdiff_t{2 * C + 4}),
-          numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
+    /// Of an image, with the pixels of a window.
+    SmoothRows(const ImageSource<C>& source, const SourceWindow<C>& window)
+        : source_(&source), window_(&window), size_(std::ptrdiff_t{C} * source.width()),
+          stride_(size_ + std::ptrdiff_t{2 * C + 4}), numbers_(static_cast<std::size_t>(8 * stride_), 0.0) {}
 
     /// Reads row y of the image as row k, one more than the last time.
     void read(int k, int y) noexcept {
         // The peak counts as 1, the filters multiply by 4 each, and find_bends() by 2: powers of two, which change no bit else.
-        source_->row(y, 1 / (32 * source_->peak()), row(k % 3));
+        window_->source.row(y - window_->y, 1 / (32 * source_->peak()), row(k % 3));
     }
     /// Smooths row k - 1, now that row k is read.
     void smooth(int k) noexcept {
@@ -100,6 +102,7 @@ class SmoothRows {
     }
 
     const ImageSource<C>* source_;
+    const SourceWindow<C>* window_;
     std::ptrdiff_t size_,    ///< samples of a row
         stride_;             ///< from row to row: a pixel more on both sides, and the room that loops need
     Array<double> numbers_;  ///< three rows as read, three smoothed ones, one smoothed across, one of bends
@@ -120,24 +123,26 @@ class SmoothRows {
 
 }  // namespace detail
 
-/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
-/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
-/// says false, the result is meaningless.
+namespace detail {
+
+/// Rows of the density that are a piece of work.
+inline constexpr std::size_t density_band = 32;
+
+/// The density in rows [begin, end), a band or less, but for the part that all pixels have alike; written row after row. Returns
+/// its sum. Never inlined: it rounds alike, whatever is in memory.
 template <int C>
-[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
-                                                       FunctionRef<bool()> go_on = {}) {
-    const int width = source.width(), height = source.height();
-    Image<float, 1> density(width, height);
-    const auto rows = static_cast<std::size_t>(height);
-    constexpr std::size_t band = 32;
+HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t begin, std::size_t end, float* to) {
+    const int width = source.width(), first = static_cast<int>(begin), count = static_cast<int>(end - begin);
     constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
-    Array<double> sums((rows + band - 1) / band, 0.0);
-    for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        if (go_on && !go_on()) return;
-        const int first = static_cast<int>(begin), count = static_cast<int>(end - begin);
-        detail::SmoothRows<C> smooth_rows(source);
+    double sum = 0;
+    Rect rect{0, first - 2, width, count + 4};
+    if (!wraps_y(source.periodic())) {
+        rect.y = std::max(0, first - 2);
+        rect.height = std::min(source.height(), first + count + 2) - rect.y;
+    }
+    source.with_window(rect, [&](const SourceWindow<C>& window) {
+        SmoothRows<C> smooth_rows(source, window);
         Array<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
-        double sum = 0;
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
             if (k >= 2) smooth_rows.smooth(k);
@@ -157,15 +162,37 @@ template <int C>
                 value.store(&values[x]);
                 for (int i = 0; i < 4; ++i) sum += value[i];
             }
-            float* const row = density.pixel(0, y);
-            for (int x = 0; x < width; ++x) row[x] = static_cast<float>(values[static_cast<std::size_t>(x)]);
+            for (int x = 0; x < width; ++x) *to++ = static_cast<float>(values[static_cast<std::size_t>(x)]);
         }
-        sums[begin / band] = sum;
     });
-    double sum = 0;
-    for (const double of_band : sums) sum += of_band;
-    const auto least =
-        static_cast<float>(std::max(0.1 * sum / source.pixels(), static_cast<double>(std::numeric_limits<float>::min())));
+    return sum;
+}
+
+/// The part of the density that all pixels have alike, from the sum of the rest.
+[[nodiscard]] inline float even_density(double sum, double pixels) noexcept {
+    return static_cast<float>(std::max(0.1 * sum / pixels, static_cast<double>(std::numeric_limits<float>::min())));
+}
+
+/// Turns the densities of row y into ranks. Never inlined, likewise.
+HMESH_NEVER_INLINE inline void rank_row(float* densities, int y, int width) noexcept {
+    for (int x = 0; x < width; ++x) densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
+}
+
+}  // namespace detail
+
+/// The density of points that the image asks for, one value > 0 a pixel; only their ratios matter. Weights count as their square
+/// roots, since errors do. Bands of 32 rows are pieces of work. go_on(), where set, is called before each, on any thread; once it
+/// says false, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
+                                                       FunctionRef<bool()> go_on = {}) {
+    Image<float, 1> density(source.width(), source.height());
+    const double all = ordered_sum(parallel_for, static_cast<std::size_t>(source.height()), detail::density_band,
+                                   [&](std::size_t begin, std::size_t end) {
+                                       if (go_on && !go_on()) return 0.0;
+                                       return detail::find_density(source, begin, end, density.pixel(0, static_cast<int>(begin)));
+                                   });
+    const float least = detail::even_density(all, source.pixels());
     for_each_chunk(parallel_for, density.size(), 65536, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) density.data()[k] += least;
     });
@@ -215,31 +242,30 @@ template <int C>
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
-            float* const at = density.pixel(0, y);
-            for (int x = 0; x < density.width(); ++x)
-                at[x] = static_cast<float>((detail::mask_at(x, y) + 1e-6) / static_cast<double>(at[x]));
+            detail::rank_row(density.pixel(0, y), y, density.width());
         }
     });
     return density;
 }
 
-/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
-/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
-[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
-                                                                  const ParallelFor& parallel_for = {}) {
-    HMESH_ASSERT(count <= ranks.size());
+namespace detail {
+
+/// The ranks of the pixels of rows [begin, end), row after row; `room` is for whoever has to calculate them.
+using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end, Array<float>& room)>;
+
+/// first_points(), with pieces of work of `band` rows. Ranks are asked for twice.
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> least_ranks(std::size_t width, std::size_t rows, std::size_t band,
+                                                                 RanksOfRows ranks, std::size_t count,
+                                                                 const ParallelFor& parallel_for) {
     // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
     constexpr std::uint32_t shift = 20;
     using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
-    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
-    const std::size_t band = 65536 / (width + 1) + 1;
     Array<Bins> of_band(rows / band + 1, Bins{});
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         Bins& bins = of_band[begin / band];
-        for (std::size_t row = begin; row < end; ++row) {
-            const float* const at = ranks.pixel(0, static_cast<int>(row));
-            for (std::size_t x = 0; x < width; ++x) ++bins[detail::bits_of(at[x]) >> shift];
-        }
+        Array<float> room;
+        const float* const at = ranks(begin, end, room);
+        for (std::size_t k = 0; k < (end - begin) * width; ++k) ++bins[bits_of(at[k]) >> shift];
     });
     // Candidates: the pixels in the bins up to that of the last point.
     Array<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
@@ -253,27 +279,70 @@ template <int C>
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    Array<std::uint32_t> points(first.back());
+    Array<std::uint32_t> points(first.back()), bits(first.back());
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
-        for (std::size_t k = begin * width; k < end * width; ++k)
-            if (detail::bits_of(ranks.data()[k]) >> shift <= last_bin) points[to++] = static_cast<std::uint32_t>(k);
+        const std::size_t last = first[begin / band + 1];
+        Array<float> room;
+        const float* const at = ranks(begin, end, room);
+        // Ranks are others than before where who finds them was told to stop: `last` keeps such a band from the next one's room.
+        for (std::size_t k = 0; k < (end - begin) * width; ++k)
+            if (const std::uint32_t here = bits_of(at[k]); here >> shift <= last_bin && to < last) {
+                points[to] = static_cast<std::uint32_t>(begin * width + k);
+                bits[to++] = here;
+            }
     });
     // Of those in the last bin as many as are missing.
-    const auto bits_at = [&](std::uint32_t point) { return detail::bits_of(ranks.data()[point]); };
     Array<Coded> in_last;  // the last bin's
-    for (const std::uint32_t point : points)
-        if (bits_at(point) >> shift == last_bin) in_last.push_back({bits_at(point), point});
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (bits[k] >> shift == last_bin) in_last.push_back({bits[k], points[k]});
     const std::size_t missing = count - below;
-    if (missing == in_last.size()) return points;
+    if (missing >= in_last.size()) return points;
     sort_by_code(in_last);
     const Coded& left_out = in_last[missing];  // the first of them
     std::size_t kept = 0;
-    for (const std::uint32_t point : points)
-        if (const std::uint32_t bits = bits_at(point); bits < left_out.code || (bits == left_out.code && point < left_out.number))
-            points[kept++] = point;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (bits[k] < left_out.code || (bits[k] == left_out.code && points[k] < left_out.number)) points[kept++] = points[k];
     points.resize(kept);
     return points;
+}
+
+}  // namespace detail
+
+/// The `count` pixels, as y * width + x, of the least point_ranks(); of equal ranks those that come first, row by row.
+/// 0 <= count <= pixels. Bands of some 65,536 pixels are pieces of work.
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> first_points(const Image<float, 1>& ranks, std::size_t count,
+                                                                  const ParallelFor& parallel_for = {}) {
+    HMESH_ASSERT(count <= ranks.size());
+    const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
+    const auto of_rows = [&](std::size_t begin, std::size_t, Array<float>&) { return ranks.pixel(0, static_cast<int>(begin)); };
+    return detail::least_ranks(width, rows, 65536 / (width + 1) + 1, of_rows, count, parallel_for);
+}
+
+/// The same pixels for the ranks of point_density(), of which no more than some rows are held: they are found three times. Once
+/// go_on() says false, called before each band of 32 rows on any thread, the result is meaningless.
+template <int C>
+[[nodiscard]] HMESH_COLD Array<std::uint32_t> first_points(const ImageSource<C>& source, std::size_t count,
+                                                           const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
+    const auto width = static_cast<std::size_t>(source.width()), rows = static_cast<std::size_t>(source.height());
+    float least = 0;
+    const auto densities = [&](std::size_t begin, std::size_t end, Array<float>& room) {
+        room.assign((end - begin) * width, 1.0F);
+        return go_on() ? detail::find_density(source, begin, end, room.data()) : 0;
+    };
+    const double sum = ordered_sum(parallel_for, rows, detail::density_band, [&](std::size_t begin, std::size_t end) {
+        Array<float> room;
+        return densities(begin, end, room);
+    });
+    least = detail::even_density(sum, source.pixels());
+    const auto ranks = [&](std::size_t begin, std::size_t end, Array<float>& room) -> const float* {
+        (void)densities(begin, end, room);
+        for (float& density : room) density += least;
+        for (std::size_t y = begin; y < end; ++y)
+            detail::rank_row(room.data() + (y - begin) * width, static_cast<int>(y), source.width());
+        return room.data();
+    };
+    return detail::least_ranks(width, rows, detail::density_band, ranks, count, parallel_for);
 }
 
 }  // namespace hmesh::kit

@@ -1,0 +1,95 @@
+#include "readers/rectangles.hpp"
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "hmesh/core/status.hpp"
+#include "hmesh/image/image_reader.hpp"
+#include "readers/file_at.hpp"
+#include "readers/image_file.hpp"
+#include "readers/plain_layout.hpp"
+#include "readers/readers.hpp"
+#include "terminal/standard_streams.hpp"
+#include "terminal/words.hpp"
+
+namespace tool {
+namespace {
+
+class PlainFile : public RectangleFile {
+  public:
+    // Opens a file. Returns "" or what is wrong; `is_tiff`: whether it is another one of those that are read by rectangles.
+    [[nodiscard]] std::string open(const std::string& path, bool& is_tiff) {
+        if (std::string why = file_.open(path); !why.empty()) return why;
+        std::vector<unsigned char> beginning(static_cast<std::size_t>(std::min<std::uint64_t>(file_.size(), 65536)));
+        if (std::string why = file_.read(0, beginning.size(), beginning.data()); !why.empty()) return why;
+        const Bytes bytes{beginning.data(), beginning.size()};
+        const FileKind kind = kind_of(bytes);
+        if (is_tiff = kind == FileKind::tiff; is_tiff) return {};
+        if (kind != FileKind::pnm && kind != FileKind::pfm)
+            return std::string("it is no PGM, PPM, PFM or TIFF file") +
+                   (kind == FileKind::unknown ? "" : std::string(", but ") + name_of(kind)) +
+                   ", and others are not read by rectangles";
+        if (std::string why = kind == FileKind::pnm ? read_pnm_layout(bytes, layout_) : read_pfm_layout(bytes, layout_);
+            !why.empty())
+            return why;
+        const auto none = [](const hmesh::kit::Rect&, std::uint8_t*, std::ptrdiff_t) { return false; };
+        const hmesh::ImageReader<std::uint8_t, 1> reader{layout_.width, layout_.height, none};
+        if (const hmesh::Status status = check(reader); !status) return in_words(status);
+        const std::uint64_t needs =
+            layout_.first + std::uint64_t{layout_.row_bytes()} * static_cast<std::uint64_t>(layout_.height);
+        return file_.size() < needs ? too_short(file_.size(), needs) : "";
+    }
+    [[nodiscard]] const PlainLayout& layout() const noexcept { return layout_; }
+
+    bool read(const hmesh::kit::Rect& rect, void* samples, std::ptrdiff_t row_stride) override {
+        const std::size_t pixel = layout_.sample_bytes * static_cast<std::size_t>(layout_.channels);
+        std::vector<unsigned char> bytes(static_cast<std::size_t>(rect.width) * pixel);
+        for (int j = 0; j < rect.height; ++j) {
+            const int y = layout_.is_bottom_up ? layout_.height - 1 - (rect.y + j) : rect.y + j;
+            const std::uint64_t place = layout_.first + std::uint64_t{layout_.row_bytes()} * static_cast<std::uint64_t>(y) +
+                                        std::uint64_t{pixel} * static_cast<std::uint64_t>(rect.x);
+            std::string why = file_.read(place, bytes.size(), bytes.data());
+            if (why.empty())
+                why = take_samples(layout_, bytes.data(), bytes.size() / layout_.sample_bytes,
+                                   static_cast<unsigned char*>(samples) + j * row_stride);
+            if (!why.empty()) return fail(why);
+        }
+        return true;
+    }
+    [[nodiscard]] std::string why() const override { return why_; }
+
+  private:
+    bool fail(const std::string& why) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        if (why_.empty()) why_ = why;
+        return false;
+    }
+
+    FileAt file_;
+    PlainLayout layout_;
+    std::mutex mutex_;
+    std::string why_;
+};
+
+}  // namespace
+
+std::string open_rectangles(const std::string& path, ImageFile& image) {
+    if (is_standard(path)) return "it cannot be read by rectangles, as a file can";
+    auto file = std::make_shared<PlainFile>();
+    bool is_tiff = false;
+    if (std::string why = file->open(path, is_tiff); !why.empty()) return why;
+    if (is_tiff) return open_tiff_rectangles(path, image);
+    image = {};
+    image.width = file->layout().width;
+    image.height = file->layout().height;
+    image.channels = file->layout().channels;
+    image.bits = file->layout().bits();
+    image.rectangles = std::move(file);
+    return {};
+}
+
+}  // namespace tool
