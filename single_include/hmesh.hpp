@@ -1326,13 +1326,17 @@ struct Turns {
     return {wraps_x(torus.periodic) ? -static_cast<int>(std::floor((p.x - x) / torus.width)) : 0,
             wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
 }
+/// The same point of the torus in [0, width) x [0, height), along the axes that repeat.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Point inside(Point p, const Torus& torus) noexcept {
+    return turned(p, turns_into(p, 0, 0, torus), torus);
+}
 
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
-    for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
+    for (const Point p : positions) places.push_back(inside(p, torus));
     Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(
@@ -7684,7 +7688,7 @@ class ImageSource {
     }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         double samples[std::size_t{C}];
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
         auto out = Lanes<lanes_for(C + 1)>::zero();
@@ -15007,13 +15011,10 @@ HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, Fun
     // In the middle of three images, which go on on both sides.
     const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
     const int left = x ? source.width() : 0, top = y ? source.height() : 0;
-    const auto place = [&](std::size_t k) {
-        const Point p = at(k);
-        return turned(p, turns_into(p, 0, 0, torus), torus);
-    };
+    const auto place = [&](std::size_t k) { return inside(at(k), torus); };
     source.visit(count, place, [&](const SourceWindow<C>& window, std::size_t k) {
-        const Point p = turned(place(k), {x ? 1 : 0, y ? 1 : 0}, torus);
-        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
+        const Point p = place(k);
+        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), {p.x + left, p.y + top},
                                  [&](int i, int j) { return window.pixel(i - left, j - top); }));
     });
 }

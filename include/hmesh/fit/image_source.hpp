@@ -181,7 +181,7 @@ class ImageSource {
     }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         double samples[std::size_t{C}];
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
         auto out = Lanes<lanes_for(C + 1)>::zero();

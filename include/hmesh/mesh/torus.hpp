@@ -67,13 +67,17 @@ struct Turns {
     return {wraps_x(torus.periodic) ? -static_cast<int>(std::floor((p.x - x) / torus.width)) : 0,
             wraps_y(torus.periodic) ? -static_cast<int>(std::floor((p.y - y) / torus.height)) : 0};
 }
+/// The same point of the torus in [0, width) x [0, height), along the axes that repeat.
+[[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Point inside(Point p, const Torus& torus) noexcept {
+    return turned(p, turns_into(p, 0, 0, torus), torus);
+}
 
 /// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
 /// O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
-    for (const Point p : positions) places.push_back(turned(p, turns_into(p, 0, 0, torus), torus));
+    for (const Point p : positions) places.push_back(inside(p, torus));
     Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(

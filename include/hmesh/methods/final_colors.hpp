@@ -53,13 +53,10 @@ HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, Fun
     // In the middle of three images, which go on on both sides.
     const bool x = wraps_x(source.periodic()), y = wraps_y(source.periodic());
     const int left = x ? source.width() : 0, top = y ? source.height() : 0;
-    const auto place = [&](std::size_t k) {
-        const Point p = at(k);
-        return turned(p, turns_into(p, 0, 0, torus), torus);
-    };
+    const auto place = [&](std::size_t k) { return inside(at(k), torus); };
     source.visit(count, place, [&](const SourceWindow<C>& window, std::size_t k) {
-        const Point p = turned(place(k), {x ? 1 : 0, y ? 1 : 0}, torus);
-        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), p,
+        const Point p = place(k);
+        give(k, sampled_color<C>((x ? 3 : 1) * source.width(), (y ? 3 : 1) * source.height(), {p.x + left, p.y + top},
                                  [&](int i, int j) { return window.pixel(i - left, j - top); }));
     });
 }
