@@ -599,7 +599,7 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
 
   public:
     /// The type of the elements.
-    using value_type = T;
+    using value_type = T;  // NOLINT(readability-identifier-naming): std's name
 
     /// No elements.
     Array() noexcept = default;
@@ -612,8 +612,8 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
     /// Copies of [first, last).
     Array(const T* first, const T* last) { assign(first, last); }
     /// The elements of a vector.
-    Array(const std::vector<T>& values)
-        : Array(values.data(), values.data() + values.size()) {}  // NOLINT(google-explicit-constructor)
+    Array(const std::vector<T>& values)  // NOLINT(google-explicit-constructor)
+        : Array(values.data(), values.data() + values.size()) {}
     /// A vector of the elements.
     operator std::vector<T>() const { return std::vector<T>(begin(), end()); }  // NOLINT(google-explicit-constructor)
 
@@ -7038,7 +7038,7 @@ namespace hmesh::kit {
             largest[y] = *std::max_element(row, row + weights.width);
         }
     });
-    const double most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
+    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
     return most > 0 ? 1 / most : 1;
 }
 
@@ -7433,7 +7433,8 @@ class MomentTable {
 
     /// From entry (x, y) to entry (x + 1, y).
     [[nodiscard]] std::size_t step_after(int x) const noexcept {
-        return (x + 1) % strip_width != 0 ? std::size_t{entry_size} : strip_size_ - std::size_t{(strip_width - 1) * entry_size};
+        return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
+                                          : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
     /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
     /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 64 of them in a page for 8-bit RGB:

@@ -420,10 +420,10 @@ class SiteCoder {
         const std::uint64_t capacity = std::uint64_t{1} << (halving.levels() - level - 1);
         halves_.assign(2 * counts_.size(), 0);
         std::size_t at = 0;
-        const auto step = [](std::uint64_t way, std::uint64_t digits, bool is_up, std::uint64_t& there) {
-            const std::uint64_t own = way & digits;
+        const auto step = [](std::uint64_t from, std::uint64_t digits, bool is_up, std::uint64_t& to) {
+            const std::uint64_t own = from & digits;
             if (is_up ? own == digits : own == 0) return false;
-            there = ((is_up ? (way | ~digits) + 1 : own - 1) & digits) | (way & ~digits);
+            to = ((is_up ? (from | ~digits) + 1 : own - 1) & digits) | (from & ~digits);
             return true;
         };
         const auto deeper = static_cast<std::size_t>(std::min(halving.levels() - level, 31));
@@ -724,7 +724,7 @@ class Triangulation {
     // --- edges ---
 
     Index make(Index a, Index b) {
-        Index e = static_cast<Index>(edges_.size());
+        auto e = static_cast<Index>(edges_.size());
         if (free_ != none) {
             e = free_;
             free_ = edges_[e].next;
@@ -890,9 +890,9 @@ class ColorCoder {
   public:
     /// With the coder that it writes to or reads from, which outlives it, as the tables do. Numbers are 0 to `most` < 2^32.
     ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most)
-        : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(4 * 20 * steps),
-          misses_(4 * 20 * steps), others_(4 * 20 * steps), place_(4 * 20 * 8 * steps), signs_(4 * 9 * 3),
-          digits_(4 * steps * 8) {}
+        : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20),
+          misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3),
+          digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
@@ -1003,7 +1003,7 @@ class ColorCoder {
         // The number of digits of the difference, one by one.
         const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess));
         std::size_t size = 0;
-        const std::size_t other = std::min<std::size_t>(before[0], 9) + 10 * (before[1] > before[0] ? 1 : 0);
+        const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         for (; size < largest; ++size) {
             const std::size_t at = channel * 20 * steps + size;
             const bool is_larger = sizes_.code(
@@ -1450,7 +1450,8 @@ class FlipCoder {
 
     /// With the coder that it writes to or reads from, which outlives it, as the tables do.
     FlipCoder(ArithmeticCoder& coder, const Logistic& logistic)
-        : coder_(&coder), mixer_(logistic, 3 * 16, 26000), angles_(3 * 256), shapes_(3 * 16 * 256), near_(3 * 3 * 32 * 32) {}
+        : coder_(&coder), mixer_(logistic, std::size_t{3} * 16, 26000), angles_(std::size_t{3} * 256),
+          shapes_(std::size_t{3} * 16 * 256), near_(std::size_t{3} * 3 * 32 * 32) {}
 
     /// The most flips of a triangulation of n points: what needs more is not coded, and not read.
     [[nodiscard]] static std::size_t most_flips(std::size_t n) noexcept { return 64 * n; }

@@ -87,7 +87,7 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
 
   public:
     /// The type of the elements.
-    using value_type = T;
+    using value_type = T;  // NOLINT(readability-identifier-naming): std's name
 
     /// No elements.
     Array() noexcept = default;
@@ -100,8 +100,8 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
     /// Copies of [first, last).
     Array(const T* first, const T* last) { assign(first, last); }
     /// The elements of a vector.
-    Array(const std::vector<T>& values)
-        : Array(values.data(), values.data() + values.size()) {}  // NOLINT(google-explicit-constructor)
+    Array(const std::vector<T>& values)  // NOLINT(google-explicit-constructor)
+        : Array(values.data(), values.data() + values.size()) {}
     /// A vector of the elements.
     operator std::vector<T>() const { return std::vector<T>(begin(), end()); }  // NOLINT(google-explicit-constructor)
 

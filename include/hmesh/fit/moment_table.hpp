@@ -205,7 +205,8 @@ class MomentTable {
 
     /// From entry (x, y) to entry (x + 1, y).
     [[nodiscard]] std::size_t step_after(int x) const noexcept {
-        return (x + 1) % strip_width != 0 ? std::size_t{entry_size} : strip_size_ - std::size_t{(strip_width - 1) * entry_size};
+        return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
+                                          : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
     /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
     /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 64 of them in a page for 8-bit RGB:

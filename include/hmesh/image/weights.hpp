@@ -61,7 +61,7 @@ namespace hmesh::kit {
             largest[y] = *std::max_element(row, row + weights.width);
         }
     });
-    const double most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
+    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
     return most > 0 ? 1 / most : 1;
 }
 

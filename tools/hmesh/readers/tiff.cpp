@@ -336,7 +336,7 @@ class TiffFile : public RectangleFile {
             return std::string("its ") + (parts_.are_tiles ? "tiles" : "strips") + " of " + std::to_string(part) +
                    " bytes are too large to be read by rectangles";
         const std::size_t rows = std::size_t{600} * layout_.width * layout_.samples * layout_.sample_bytes();
-        most_ = std::max<std::size_t>(4 * parts_.planes, (rows + (std::size_t{1} << 24U)) / part + 1);
+        most_ = std::max<std::size_t>(std::size_t{4} * parts_.planes, (rows + (std::size_t{1} << 24U)) / part + 1);
         if (!source_.why.empty()) return source_.why;
         return {};
     }

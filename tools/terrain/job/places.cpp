@@ -64,13 +64,11 @@ Json transform_value(const Plan& plan, const Georeference& place) {
 // The tiles of some columns and rows, as a tree.
 class Tree {
   public:
-    Tree(const Plan& plan, const std::vector<PlacedTile>& tiles) {
+    Tree(const Plan& plan, const std::vector<PlacedTile>& tiles) : across_(plan.levels[0].across), down_(plan.levels[0].down) {
         for (const PlacedTile& tile : tiles) {
             if (tile.facts.end.kind != TileEnd::Kind::made) continue;
             found_[{tile.task.level, tile.task.x, tile.task.y}] = &tile;
         }
-        across_ = plan.levels[0].across;
-        down_ = plan.levels[0].down;
     }
 
     // null: there is none.

@@ -43,9 +43,9 @@ class ColorCoder {
   public:
     /// With the coder that it writes to or reads from, which outlives it, as the tables do. Numbers are 0 to `most` < 2^32.
     ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most)
-        : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(4 * 20 * steps),
-          misses_(4 * 20 * steps), others_(4 * 20 * steps), place_(4 * 20 * 8 * steps), signs_(4 * 9 * 3),
-          digits_(4 * steps * 8) {}
+        : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20),
+          misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3),
+          digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
@@ -156,7 +156,7 @@ class ColorCoder {
         // The number of digits of the difference, one by one.
         const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess));
         std::size_t size = 0;
-        const std::size_t other = std::min<std::size_t>(before[0], 9) + 10 * (before[1] > before[0] ? 1 : 0);
+        const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         for (; size < largest; ++size) {
             const std::size_t at = channel * 20 * steps + size;
             const bool is_larger = sizes_.code(

@@ -57,7 +57,8 @@ class FlipCoder {
 
     /// With the coder that it writes to or reads from, which outlives it, as the tables do.
     FlipCoder(ArithmeticCoder& coder, const Logistic& logistic)
-        : coder_(&coder), mixer_(logistic, 3 * 16, 26000), angles_(3 * 256), shapes_(3 * 16 * 256), near_(3 * 3 * 32 * 32) {}
+        : coder_(&coder), mixer_(logistic, std::size_t{3} * 16, 26000), angles_(std::size_t{3} * 256),
+          shapes_(std::size_t{3} * 16 * 256), near_(std::size_t{3} * 3 * 32 * 32) {}
 
     /// The most flips of a triangulation of n points: what needs more is not coded, and not read.
     [[nodiscard]] static std::size_t most_flips(std::size_t n) noexcept { return 64 * n; }

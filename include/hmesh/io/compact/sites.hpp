@@ -179,10 +179,10 @@ class SiteCoder {
         const std::uint64_t capacity = std::uint64_t{1} << (halving.levels() - level - 1);
         halves_.assign(2 * counts_.size(), 0);
         std::size_t at = 0;
-        const auto step = [](std::uint64_t way, std::uint64_t digits, bool is_up, std::uint64_t& there) {
-            const std::uint64_t own = way & digits;
+        const auto step = [](std::uint64_t from, std::uint64_t digits, bool is_up, std::uint64_t& to) {
+            const std::uint64_t own = from & digits;
             if (is_up ? own == digits : own == 0) return false;
-            there = ((is_up ? (way | ~digits) + 1 : own - 1) & digits) | (way & ~digits);
+            to = ((is_up ? (from | ~digits) + 1 : own - 1) & digits) | (from & ~digits);
             return true;
         };
         const auto deeper = static_cast<std::size_t>(std::min(halving.levels() - level, 31));

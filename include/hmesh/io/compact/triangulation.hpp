@@ -118,7 +118,7 @@ class Triangulation {
     // --- edges ---
 
     Index make(Index a, Index b) {
-        Index e = static_cast<Index>(edges_.size());
+        auto e = static_cast<Index>(edges_.size());
         if (free_ != none) {
             e = free_;
             free_ = edges_[e].next;
