@@ -44,7 +44,7 @@ struct SourceWindow {
         y = 0;                     ///< px
 
     /// ImageSource::pixel() of pixel (i, j).
-    [[nodiscard]] auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
+    [[nodiscard]] HMESH_ALWAYS_INLINE auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
     /// ImageSource::read() from pixel (i, j).
     void read(int i, int j, int count, double* to) const noexcept { source.read(i - x, j - y, count, to); }
 };
@@ -181,9 +181,9 @@ class ImageSource {
     }
     /// The samples of pixel (x, y), of the nearest one or, along the axes of periodic(), of the repeated image outside of it; 0
     /// in the lanes above them.
-    [[nodiscard]] HMESH_NEVER_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<lanes_for(C + 1)> pixel(int x, int y) const noexcept {
         double samples[std::size_t{C}];
-        read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, samples);
+        read_one(x, y, samples);
         auto out = Lanes<lanes_for(C + 1)>::zero();
         for (int c = 0; c < C; ++c) out.set(c, samples[c]);
         return out;
@@ -203,6 +203,9 @@ class ImageSource {
     }
 
   private:
+    HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
+        read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, to);
+    }
     /// The pixel of a side of `size` px that stands for pixel x of the plane.
     [[nodiscard]] static int place(int x, int size, bool wraps) noexcept {
         return wraps ? modulo(x, size) : std::max(0, std::min(size - 1, x));
