@@ -1201,9 +1201,9 @@ inline constexpr double grid_steps = 256;
 
 namespace detail {
 
-/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| < 2^50. In digits of 25 bits no product and no sum leaves 64 bits.
+/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| <= 2^51. In digits of 26 bits no product and no sum leaves 64 bits.
 [[nodiscard]] inline int sign_of_products(const std::int64_t (&a)[3], const std::int64_t (&b)[3]) noexcept {
-    constexpr std::int64_t base = std::int64_t{1} << 25;
+    constexpr std::int64_t base = std::int64_t{1} << 26;
     std::int64_t high = 0, middle = 0, low = 0;
     for (int k = 0; k < 3; ++k) {
         const std::int64_t a1 = a[k] / base, a0 = a[k] % base, b1 = b[k] / base, b0 = b[k] % base;

@@ -145,7 +145,7 @@ TEST_CASE("in_circle is exact for points on a circle of the 1/256 px grid, and f
     for (const int count : found) CHECK(count > 10000);
 }
 
-TEST_CASE("the sign of a sum of three products is exact up to 2^50, where the sum is 0 or 1 as well") {
+TEST_CASE("the sign of a sum of three products is exact up to 2^51, where the sum is 0 or 1 as well") {
     Random random(9);
     const auto draw = [&](int bits) {
         const std::uint64_t word = (std::uint64_t{random.next()} << 32U) | random.next();
@@ -154,7 +154,7 @@ TEST_CASE("the sign of a sum of three products is exact up to 2^50, where the su
     };
     int wrong = 0;
     for (int i = 0; i < 200000; ++i) {
-        const int bits = 1 + static_cast<int>(random.below(50));
+        const int bits = 1 + static_cast<int>(random.below(51));
         std::int64_t a[3] = {draw(bits), draw(bits), draw(bits)}, b[3] = {draw(bits), draw(bits), draw(bits)};
         if (i % 3 == 1) a[1] = -b[0], b[1] = a[0], a[2] = random.below(3) == 0 ? 0 : 1, b[2] = draw(1);
         if (i % 3 == 2) a[2] = a[1] = a[0], b[2] = -(b[0] / 2), b[0] /= 2, b[1] = below(random, 3) - 1;

@@ -10,6 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/mesh/geometry.hpp"
+
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::detail {
@@ -30,23 +32,6 @@ struct GridPoint {
     return (std::int64_t{a.x} - p.x) * (std::int64_t{b.x} - p.x) + (std::int64_t{a.y} - p.y) * (std::int64_t{b.y} - p.y);
 }
 
-/// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| <= 2^51. In digits of 26 bits no product and no sum leaves 64 bits.
-[[nodiscard]] inline int sign_of_sum(const std::array<std::int64_t, 3>& a, const std::array<std::int64_t, 3>& b) noexcept {
-    constexpr std::int64_t base = std::int64_t{1} << 26;
-    std::int64_t high = 0, middle = 0, low = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-        const std::int64_t a1 = a[k] / base, a0 = a[k] % base, b1 = b[k] / base, b0 = b[k] % base;
-        high += a1 * b1;
-        middle += a1 * b0 + a0 * b1;
-        low += a0 * b0;
-    }
-    // Carried, a digit is smaller than the base in magnitude, so the first that is not 0 decides, whatever its signs are.
-    middle += low / base, low %= base;
-    high += middle / base, middle %= base;
-    const std::int64_t first = high != 0 ? high : middle != 0 ? middle : low;
-    return first > 0 ? 1 : first < 0 ? -1 : 0;
-}
-
 /// The place of d relative to the circle through the positive a, b, c: 1 inside, 0 on it, -1 outside.
 [[nodiscard]] inline int in_circle_sign(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
     const std::int64_t ax = std::int64_t{a.x} - d.x, ay = std::int64_t{a.y} - d.y, bx = std::int64_t{b.x} - d.x,
@@ -59,7 +44,7 @@ struct GridPoint {
         const std::int64_t sum = sa * pa + sb * pb + sc * pc;
         return sum > 0 ? 1 : sum < 0 ? -1 : 0;
     }
-    return sign_of_sum({sa, sb, sc}, {pa, pb, pc});
+    return kit::detail::sign_of_products({sa, sb, sc}, {pa, pb, pc});
 }
 
 /// The angle at p between a and b, (p, a, b) positive, in 64ths of a half turn: 0 to 63, of which 31 is up to a right angle.
