@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "hmesh/tiles/indexed_mesh.hpp"
-#include "hmesh/tiles/tiling.hpp"
 #include "test_colors.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
@@ -22,22 +21,19 @@ using hmesh::kit::BoundedReport;
 using hmesh::kit::IndexedMesh;
 using hmesh::kit::Point;
 using hmesh::kit::sample_colors;
-using hmesh::kit::Tiling;
 
 namespace {
 
 // For a mesh of one tile and of several, with colours as they are and in steps of `grid`.
 template <class T, int C>
 void check_sampled(const Image<T, C>& image, hmesh_test::Shape shape, double grid) {
-    const int width = image.width(), height = image.height();
     const IndexedMesh<C> start = hmesh_test::make_indexed(image, shape, 120, 1);
     for (const double tile : {1000.0, 25.0, 9.0}) {
         hmesh_test::Work<T, C> work(image);
         const hmesh_test::ThreadFor two{2};
         hmesh_test::Work<T, C> threads(image, {}, {}, two);
         work.tiled.indexed() = threads.tiled.indexed() = start;
-        const Tiling tiling(width, height, tile, true, false);
-        sample_colors(work.tiled, tiling, grid);
+        sample_colors(work.tiled, tile, grid);
         hmesh_test::prove(work);  // its energy among others
         const IndexedMesh<C>& mesh = work.indexed();
         CHECK(mesh.positions == start.positions);
@@ -48,7 +44,7 @@ void check_sampled(const Image<T, C>& image, hmesh_test::Shape shape, double gri
                 if (grid > 0) REQUIRE(color == grid * std::round(color / grid));
                 REQUIRE(std::abs(color - exact) <= 0.5 * grid + 1e-13 * hmesh::PixelTraits<T>::peak);
             }
-        sample_colors(threads.tiled, tiling, grid);
+        sample_colors(threads.tiled, tile, grid);
         CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
     }
 }
@@ -76,8 +72,7 @@ void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, double low
         const hmesh_test::ThreadFor two{2};
         hmesh_test::Work<T, C> work(image), threads(image, {}, {}, two);
         work.tiled.indexed() = threads.tiled.indexed() = start;
-        const Tiling tiling(image.width(), image.height(), tile, true, false);
-        const BoundedReport report = bounded_colors(work.tiled, tiling, low, high, grid).bounded;
+        const BoundedReport report = bounded_colors(work.tiled, tile, low, high, grid).bounded;
         CHECK(report.sweeps > 1);
         CHECK((report.rounding_sweeps > 0) == (grid > 0));
         hmesh_test::prove(work);  // its energy among others
@@ -87,12 +82,53 @@ void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, double low
         check_allowed(mesh, low, high, grid);
         if (tile == 1000) best = mesh.energy;
         CHECK(mesh.energy == doctest::Approx(best).epsilon(1e-3));
-        bounded_colors(threads.tiled, tiling, low, high, grid);
+        bounded_colors(threads.tiled, tile, low, high, grid);
         CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
     }
 }
 
+// The same for images that have no table of their own, in tiles of `tile` px: as good to `loss` of the energy.
+template <class T, int C>
+void check_by_tiles(const Image<T, C>& image, double tile, double low, double high, double grid, double loss) {
+    const IndexedMesh<C> start = hmesh_test::make_indexed(image, hmesh_test::Shape::delaunay, 600, 1);
+    const hmesh_test::ThreadFor two{2};
+    hmesh_test::Work<T, C> whole(image), work(image), threads(image, {}, {}, two);
+    whole.tiled.indexed() = work.tiled.indexed() = threads.tiled.indexed() = start;
+    bounded_colors(whole.tiled, tile, low, high, grid);
+    const BoundedReport report = hmesh::kit::detail::colors_by_tiles(work.tiled, tile, low, high, grid);
+    CHECK(report.sweeps > 1);
+    CHECK((report.rounding_sweeps > 0) == (grid > 0));
+    const IndexedMesh<C>& mesh = work.indexed();
+    CHECK(mesh.positions == start.positions);
+    CHECK(mesh.faces == start.faces);
+    check_allowed(mesh, low, high, grid);
+    const double before = hmesh_test::brute_energy(image, start), best = hmesh_test::brute_energy(image, whole.indexed());
+    const double energy = hmesh_test::brute_energy(image, mesh);
+    CHECK(energy < before);
+    CHECK(energy <= best + loss * (before - best));
+    hmesh::kit::detail::colors_by_tiles(threads.tiled, tile, low, high, grid);
+    CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
+
+    hmesh_test::Work<T, C> held(image);
+    held.tiled.indexed() = start;
+    held.tiled.indexed().has_fixed_border = true;
+    hmesh::kit::detail::colors_by_tiles(held.tiled, tile, low, high, grid);
+    for (std::size_t v = 0; v < start.vertex_count(); ++v) {
+        if (!start.is_on_border(v)) continue;
+        hmesh::kit::Color<C> allowed = start.colors[v];
+        hmesh::kit::detail::to_allowed<C>(allowed, low, high, grid);
+        for (int c = 0; c < C; ++c) REQUIRE(held.indexed().colors[v][c] == allowed[c]);
+    }
+}
+
 }  // namespace
+
+TEST_CASE("colours that are found tile by tile are allowed, nearly as good as those of the whole mesh, and change nothing else") {
+    check_by_tiles(hmesh_test::scene<std::uint8_t, 3>(160, 120, 1), 60, 0, 255, 1, 0.02);
+    check_by_tiles(hmesh_test::noise<std::uint8_t, 1>(160, 120, 2), 60, 60, 190, 1, 0.02);
+    check_by_tiles(hmesh_test::scene<float, 4>(160, 120, 4), 60, 0, 1, 0, 0.02);
+    check_by_tiles(hmesh_test::scene<float, 2>(100, 80, 5), 1000, 0, 1, 0, 1e-3);
+}
 
 TEST_CASE("a mesh in tiles has sampled colours in steps of the grid, and the energy of its pixels, however it is cut") {
     check_sampled(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 1);
@@ -117,7 +153,7 @@ TEST_CASE("told to stop, colours go to the nearest that are allowed, and the ene
         hmesh_test::Work<std::uint8_t, 3> work(image, {}, stop);
         work.tiled.indexed() = start;
         REQUIRE_FALSE(work.progress.poll());
-        bounded_colors(work.tiled, Tiling(60, 45, tile, true, false), 50, 200, 1);
+        bounded_colors(work.tiled, tile, 50, 200, 1);
         hmesh_test::prove(work);
         const IndexedMesh<3>& mesh = work.indexed();
         check_allowed(mesh, 50, 200, 1);

@@ -98,10 +98,9 @@ template <int C>
     }
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
-    const kit::Tiling tiling(source.width(), source.height(), tile);
     const kit::FinalColors done = colors == Colors::sampled
-                                      ? sample_colors(tiled, tiling, grid)
-                                      : bounded_colors(tiled, tiling, source.low(), source.high(), grid);
+                                      ? sample_colors(tiled, tile, grid)
+                                      : bounded_colors(tiled, tile, source.low(), source.high(), grid);
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());

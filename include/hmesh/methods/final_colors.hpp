@@ -1,7 +1,8 @@
 /// \file
 /// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
 ///
-/// Cost: about 1 us a vertex, and one moment table for each tile; for whole numbers 1 ns a pixel for the largest error.
+/// Cost: about 1 us a vertex; of an image without a table of its own 2 us, and three moment tables for each tile; for whole
+/// numbers 1 ns a pixel for the largest error.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -9,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -105,12 +107,94 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     return {report, measure_finally(tiled, tiling)};
 }
 
+/// Some faces of a mesh, and their sums.
+template <int C>
+struct SummedFaces {
+    Array<std::uint32_t> vertices;  ///< three of each face
+    Array<CornerSums<C>> corners;   ///< of the same
+};
+
+/// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among those of the `parts`.
+template <int C>
+HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& is_solved,
+                           const std::vector<SummedFaces<C>>& parts, double low, double high, double grid, double ridge) {
+    constexpr std::uint32_t none = 0xffffffffU;
+    Array<std::uint32_t> row_of(colors.size(), none), vertex_of, rows;
+    Array<CornerSums<C>> corners;
+    Array<Color<C>> its;
+    for (const SummedFaces<C>& part : parts) {
+        for (const std::uint32_t v : part.vertices) {
+            if (row_of[v] == none) {
+                row_of[v] = static_cast<std::uint32_t>(vertex_of.size());
+                vertex_of.push_back(v);
+                its.push_back(colors[v]);
+            }
+            rows.push_back(row_of[v]);
+        }
+        for (const CornerSums<C>& corner : part.corners) corners.push_back(corner);
+    }
+    auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
+    for (std::size_t k = 0; k < vertex_of.size(); ++k)
+        if (is_solved[vertex_of[k]] != 0) system.hold(k);
+    (void)descend(system, low, high, grid, its, [] { return true; });
+    for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
+}
+
+/// bounded_colors() of a mesh whose image has no table of its own, tile by tile, so that nothing but the mesh is as large as it:
+/// first those that are free in one tiling, then once more those that are free in another, which has other seams. What a seam
+/// holds is felt a few rings of vertices away. Vertices that are free in neither come last, all at once.
+template <int C>
+HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    IndexedMesh<C>& mesh = tiled.indexed();
+    for (Color<C>& color : mesh.colors) to_allowed<C>(color, low, high, grid);
+    BoundedReport report;
+    Array<unsigned char> is_solved(mesh.vertex_count(), 0);
+    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v) is_solved[v] = mesh.is_on_border(v) ? 1 : 0;
+    std::vector<SummedFaces<C>> rest;
+    for (const bool is_last : {false, true}) {
+        const Tiling tiling(source.width(), source.height(), tile, is_last, is_last);
+        Array<BoundedReport> reports(tiling.size());
+        rest.resize(tiling.size());
+        tiled.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
+            ImageMesh<C>& part = patch.mesh();
+            reports[k] = bounded_colors(part, low, high, grid);
+            // No other tile reads or writes what is known of this one's free vertices.
+            for (const Face f : part.topology().faces()) {
+                const auto vertices = part.topology().vertices(f);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    if (part.vertex(vertices[c]).mobility == Mobility::locked) continue;
+                    const std::uint32_t v = mesh.faces[faces[f.index()]][c];
+                    mesh.colors[v] = part.color(vertices[c]);
+                    is_solved[v] = 1;
+                }
+            }
+            for (const Face f : part.topology().faces()) {
+                const Triangle& at = mesh.faces[faces[f.index()]];
+                if (!is_last || (is_solved[at[0]] != 0 && is_solved[at[1]] != 0 && is_solved[at[2]] != 0)) continue;
+                CornerSums<C> sums[3];
+                sum_face(part, f, sums[0], sums[1], sums[2]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    rest[k].vertices.push_back(at[c]);
+                    rest[k].corners.push_back(sums[c]);
+                }
+            }
+        });
+        for (const BoundedReport& one : reports) {
+            report.sweeps = std::max(report.sweeps, one.sweeps);
+            report.rounding_sweeps = std::max(report.rounding_sweeps, one.rounding_sweeps);
+        }
+    }
+    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, low, high, grid, tiled.limits().ridge);
+    return report;
+}
+
 }  // namespace detail
 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
-/// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
+/// where grid > 0, and measures the mesh's energy with them, in tiles of `tile` px.
 template <int C>
-HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
+HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
     detail::find_colors<C>(
@@ -120,41 +204,25 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
             if (grid > 0)
                 for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
         });
-    return {{}, detail::measure_finally(tiled, tiling)};
+    return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken where
-/// the image has no table of its own; the system is solved for the whole mesh. After a cancellation colours are only clamped and
-/// rounded, and the energy is still true of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are made,
+/// and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and rounded, and
+/// the energy is still true of them.
 template <int C>
-HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
-    if (tiled.source().periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
+HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    const Tiling tiling(source.width(), source.height(), tile);
+    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
     FinalColors out;
-    if ((tiling.size() == 1 || tiled.has_whole_table()) &&
-        tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {
+    if ((tiling.size() == 1 || tiled.has_whole_table()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
-            if (tiled.source().is_integer()) out.max_error = largest_error(patch.mesh());
+            if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
-    IndexedMesh<C>& mesh = tiled.indexed();
-    for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);
-    HalfedgeMesh topology;
-    const Status status = topology.assign(mesh.vertex_count(), mesh.faces);
-    HMESH_ASSERT(status);
-    (void)status;
-    Array<CornerSums<C>> corners(2 * topology.edge_slots());
-    tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
-        for (const Face f : patch.mesh().topology().faces()) {
-            const Halfedge h0 = topology.halfedge(Face(faces[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
-            detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
-        }
-    });
-    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
-    auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
-    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v)
-        if (mesh.is_on_border(v)) system.hold(v);
-    out.bounded = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
+    out.bounded = detail::colors_by_tiles(tiled, tile, low, high, grid);
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;
 }

@@ -79,6 +79,15 @@ struct GridRange {
     }
 };
 
+/// Moves a colour to the nearest in [low, high] that is, where grid > 0, a multiple of it.
+template <int C>
+void to_allowed(Color<C>& color, double low, double high, double grid) noexcept {
+    clamp_channels<C>(color, low, high);
+    if (!(grid > 0)) return;
+    const GridRange range(low, high, grid);
+    for (int c = 0; c < C; ++c) color.set(c, range.nearest(color[c]));
+}
+
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
@@ -159,7 +168,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
 /// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels. Vertices on a border that has_fixed_border() keep colours that are in the range and on the grid.
+/// vertex at 3 channels. Locked vertices keep colours that are in the range and on the grid.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
@@ -173,7 +182,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) {
-        if (mesh.has_fixed_border() && mesh.mobility_at(mesh.position(v)) == Mobility::locked) system.hold(row);
+        if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });

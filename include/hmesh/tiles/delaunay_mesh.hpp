@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -79,24 +80,27 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 /// and faces are in the order of delaunay.topology(). The energy is not computed: ImageMesh::assign() and TiledMesh::measure()
 /// do that. O(n).
 template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
-    HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
-    HMESH_ASSERT(delaunay.samples() == source.samples());
+[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, Delaunay delaunay) {
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
     mesh.samples = source.samples();
-    mesh.positions.reserve(delaunay.topology().vertex_count());
-    mesh.colors.reserve(delaunay.topology().vertex_count());
-    mesh.dirty.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) mesh.add(delaunay.position(v), Color<C>::zero());
+    {
+        const Delaunay ended = std::move(delaunay);  // whose memory the colours may take
+        HMESH_ASSERT(ended.width() == source.width() && ended.height() == source.height());
+        HMESH_ASSERT(ended.samples() == source.samples());
+        mesh.positions.reserve(ended.topology().vertex_count());
+        for (const Vertex v : ended.topology().vertices()) mesh.positions.push_back(ended.position(v));
+        mesh.faces = ended.topology().triangles();
+    }
+    mesh.colors.resize(mesh.positions.size(), Color<C>::zero());
+    mesh.dirty.resize(mesh.positions.size(), 1);
     source.visit(
         mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
         [&](const SourceWindow<C>& window, std::size_t k) {
             const Point p = mesh.positions[k];
             mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
         });
-    mesh.faces = delaunay.topology().triangles();
     return mesh;
 }
 

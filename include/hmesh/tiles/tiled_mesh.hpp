@@ -246,7 +246,12 @@ class TiledMesh {
             results[k] = detail::unchanged(indexed_, cut_, k);
             sum.leave_out();
         }
-        IndexedMesh<C> merged;
+        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
+            first_face[k + 1] = first_face[k] + results[k].faces.size();
+        }
+        IndexedMesh<C> merged;  // at first of the locked vertices
         merged.width = indexed_.width;
         merged.height = indexed_.height;
         merged.energy = sum.energy(indexed_.energy);
@@ -255,15 +260,8 @@ class TiledMesh {
         merged.samples = indexed_.samples;
         merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
-        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
-        for (std::size_t k = 0; k < results.size(); ++k) {
-            first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
-            first_face[k + 1] = first_face[k] + results[k].faces.size();
-        }
-        merged.positions.resize(first_vertex.back());
-        merged.colors.resize(first_vertex.back());
-        merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_face.back());
+        merged.positions.resize(cut.locked_count);
+        merged.colors.resize(cut.locked_count);
         for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
@@ -275,6 +273,14 @@ class TiledMesh {
             for (std::size_t v = 0; v < indexed_.vertex_count(); ++v)  // copies and what they are copies of are locked
                 if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
         }
+        // Three meshes would be too many for those that fill the memory.
+        indexed_ = {};
+        cut_.faces = {};
+        cut_.owner = {};
+        merged.positions.resize(first_vertex.back());
+        merged.colors.resize(first_vertex.back());
+        merged.dirty.resize(first_vertex.back());
+        merged.faces.resize(first_face.back());
         parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];
             const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);

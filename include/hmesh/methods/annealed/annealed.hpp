@@ -209,10 +209,11 @@ class AnnealedRun {
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
             if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
+            pixels = {};
             for (const Point p : on_seams) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = delaunay_mesh(source, delaunay);
+            tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));
         }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen.

@@ -14,6 +14,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
@@ -40,7 +41,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const Array<std::uint32_t>& pixels)
     const ImageSource<C>& source = tiled.source();
     Delaunay mesh(source.width(), source.height(), source.samples());
     if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
-    tiled.indexed() = delaunay_mesh(source, mesh);
+    tiled.indexed() = delaunay_mesh(source, std::move(mesh));
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
