@@ -15,6 +15,7 @@
 #define HMESH_TILES_PATCH_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -147,11 +148,23 @@ struct PatchFaces {
     return patch;
 }
 
+/// A colour without the lanes that fill a vector register up.
+template <int C>
+using TightColor = std::array<double, static_cast<std::size_t>(C)>;
+
+/// The channels of a colour.
+template <int C>
+[[nodiscard]] TightColor<C> tight(const Color<C>& color) noexcept {
+    TightColor<C> out{};
+    for (int c = 0; c < C; ++c) out[static_cast<std::size_t>(c)] = color[c];
+    return out;
+}
+
 /// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
     Array<Point> positions;             ///< of the free vertices, px of the image
-    Array<Color<C>> colors;             ///< of the free vertices
+    Array<TightColor<C>> colors;        ///< of the free vertices
     Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
     std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
     Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
@@ -178,7 +191,7 @@ template <int C>
                 continue;
             }
             out.positions[number] = indexed.positions[v];
-            out.colors[number] = indexed.colors[v];
+            out.colors[number] = tight<C>(indexed.colors[v]);
             out.dirty[number] = indexed.dirty[v];
             v = number;
         }
@@ -324,7 +337,7 @@ class Patch {
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
             out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
-            out.colors.push_back(mesh_.color(v));
+            out.colors.push_back(detail::tight<C>(mesh_.color(v)));
             out.dirty.push_back(mesh_.is_dirty(v) ? 1 : 0);
         }
         out.locked.reserve(numbered_.locked.size());

@@ -278,14 +278,16 @@ class TiledMesh {
         cut_.faces = {};
         cut_.owner = {};
         merged.positions.resize(first_vertex.back());
-        merged.colors.resize(first_vertex.back());
+        merged.colors.resize(first_vertex.back(), Color<C>::zero());
         merged.dirty.resize(first_vertex.back());
         merged.faces.resize(first_face.back());
         parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];
             const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
             std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
-            std::copy(result.colors.begin(), result.colors.end(), merged.colors.begin() + to);
+            for (std::size_t v = 0; v < result.colors.size(); ++v)
+                for (int c = 0; c < C; ++c)
+                    merged.colors[first_vertex[k] + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
             std::copy(result.dirty.begin(), result.dirty.end(), merged.dirty.begin() + to);
             const std::size_t free = result.positions.size();
             for (std::size_t t = 0; t < result.faces.size(); ++t)
