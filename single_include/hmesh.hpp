@@ -12257,6 +12257,7 @@ class Tiling {
 #define HMESH_TILES_PATCH_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12374,11 +12375,23 @@ struct PatchFaces {
     return patch;
 }
 
+/// A colour without the lanes that fill a vector register up.
+template <int C>
+using TightColor = std::array<double, static_cast<std::size_t>(C)>;
+
+/// The channels of a colour.
+template <int C>
+[[nodiscard]] TightColor<C> tight(const Color<C>& color) noexcept {
+    TightColor<C> out{};
+    for (int c = 0; c < C; ++c) out[static_cast<std::size_t>(c)] = color[c];
+    return out;
+}
+
 /// A patch after work, in the coordinates of the whole image, ready to be merged.
 template <int C>
 struct PatchResult {
     Array<Point> positions;             ///< of the free vertices, px of the image
-    Array<Color<C>> colors;             ///< of the free vertices
+    Array<TightColor<C>> colors;        ///< of the free vertices
     Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
     std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
     Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
@@ -12405,7 +12418,7 @@ template <int C>
                 continue;
             }
             out.positions[number] = indexed.positions[v];
-            out.colors[number] = indexed.colors[v];
+            out.colors[number] = tight<C>(indexed.colors[v]);
             out.dirty[number] = indexed.dirty[v];
             v = number;
         }
@@ -12551,7 +12564,7 @@ class Patch {
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
             out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
-            out.colors.push_back(mesh_.color(v));
+            out.colors.push_back(detail::tight<C>(mesh_.color(v)));
             out.dirty.push_back(mesh_.is_dirty(v) ? 1 : 0);
         }
         out.locked.reserve(numbered_.locked.size());
@@ -13052,7 +13065,12 @@ class TiledMesh {
             results[k] = detail::unchanged(indexed_, cut_, k);
             sum.leave_out();
         }
-        IndexedMesh<C> merged;
+        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
+            first_face[k + 1] = first_face[k] + results[k].faces.size();
+        }
+        IndexedMesh<C> merged;  // at first of the locked vertices
         merged.width = indexed_.width;
         merged.height = indexed_.height;
         merged.energy = sum.energy(indexed_.energy);
@@ -13061,15 +13079,8 @@ class TiledMesh {
         merged.samples = indexed_.samples;
         merged.has_fixed_border = indexed_.has_fixed_border;
         merged.copy_count = indexed_.copy_count;
-        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
-        for (std::size_t k = 0; k < results.size(); ++k) {
-            first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
-            first_face[k + 1] = first_face[k] + results[k].faces.size();
-        }
-        merged.positions.resize(first_vertex.back());
-        merged.colors.resize(first_vertex.back());
-        merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_face.back());
+        merged.positions.resize(cut.locked_count);
+        merged.colors.resize(cut.locked_count);
         for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
             if (cut.owner[v] != detail::Cut::locked) continue;
             merged.positions[cut.number[v]] = indexed_.positions[v];
@@ -13081,11 +13092,21 @@ class TiledMesh {
             for (std::size_t v = 0; v < indexed_.vertex_count(); ++v)  // copies and what they are copies of are locked
                 if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
         }
+        // Three meshes would be too many for those that fill the memory.
+        indexed_ = {};
+        cut_.faces = {};
+        cut_.owner = {};
+        merged.positions.resize(first_vertex.back());
+        merged.colors.resize(first_vertex.back(), Color<C>::zero());
+        merged.dirty.resize(first_vertex.back());
+        merged.faces.resize(first_face.back());
         parallel_for_(results.size(), [&](std::size_t k) {
             const detail::PatchResult<C>& result = results[k];
             const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
             std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
-            std::copy(result.colors.begin(), result.colors.end(), merged.colors.begin() + to);
+            for (std::size_t v = 0; v < result.colors.size(); ++v)
+                for (int c = 0; c < C; ++c)
+                    merged.colors[first_vertex[k] + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
             std::copy(result.dirty.begin(), result.dirty.end(), merged.dirty.begin() + to);
             const std::size_t free = result.positions.size();
             for (std::size_t t = 0; t < result.faces.size(); ++t)
@@ -13730,6 +13751,7 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace hmesh::kit {
 
@@ -13788,24 +13810,27 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 /// and faces are in the order of delaunay.topology(). The energy is not computed: ImageMesh::assign() and TiledMesh::measure()
 /// do that. O(n).
 template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
-    HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
-    HMESH_ASSERT(delaunay.samples() == source.samples());
+[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, Delaunay delaunay) {
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
     mesh.samples = source.samples();
-    mesh.positions.reserve(delaunay.topology().vertex_count());
-    mesh.colors.reserve(delaunay.topology().vertex_count());
-    mesh.dirty.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) mesh.add(delaunay.position(v), Color<C>::zero());
+    {
+        const Delaunay ended = std::move(delaunay);  // whose memory the colours may take
+        HMESH_ASSERT(ended.width() == source.width() && ended.height() == source.height());
+        HMESH_ASSERT(ended.samples() == source.samples());
+        mesh.positions.reserve(ended.topology().vertex_count());
+        for (const Vertex v : ended.topology().vertices()) mesh.positions.push_back(ended.position(v));
+        mesh.faces = ended.topology().triangles();
+    }
+    mesh.colors.resize(mesh.positions.size(), Color<C>::zero());
+    mesh.dirty.resize(mesh.positions.size(), 1);
     source.visit(
         mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
         [&](const SourceWindow<C>& window, std::size_t k) {
             const Point p = mesh.positions[k];
             mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
         });
-    mesh.faces = delaunay.topology().triangles();
     return mesh;
 }
 
@@ -14117,10 +14142,11 @@ class AnnealedRun {
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
             if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
+            pixels = {};
             for (const Point p : on_seams) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = delaunay_mesh(source, delaunay);
+            tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));
         }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen.
@@ -14691,6 +14717,15 @@ struct GridRange {
     }
 };
 
+/// Moves a colour to the nearest in [low, high] that is, where grid > 0, a multiple of it.
+template <int C>
+void to_allowed(Color<C>& color, double low, double high, double grid) noexcept {
+    clamp_channels<C>(color, low, high);
+    if (!(grid > 0)) return;
+    const GridRange range(low, high, grid);
+    for (int c = 0; c < C; ++c) color.set(c, range.nearest(color[c]));
+}
+
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
 template <int C>
 [[nodiscard]] HMESH_COLD ColorSystem<C> color_system(const HalfedgeMesh& topology, const Array<CornerSums<C>>& corners,
@@ -14771,7 +14806,7 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 /// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
 /// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
 /// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels. Vertices on a border that has_fixed_border() keep colours that are in the range and on the grid.
+/// vertex at 3 channels. Locked vertices keep colours that are in the range and on the grid.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
                                         const ParallelFor& parallel_for = {}) {
@@ -14785,7 +14820,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) {
-        if (mesh.has_fixed_border() && mesh.mobility_at(mesh.position(v)) == Mobility::locked) system.hold(row);
+        if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
     const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
@@ -14977,7 +15012,8 @@ template <int C>
 /// \file
 /// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
 ///
-/// Cost: about 1 us a vertex, and one moment table for each tile; for whole numbers 1 ns a pixel for the largest error.
+/// Cost: about 1 us a vertex; of an image without a table of its own 2 us, and three moment tables for each tile; for whole
+/// numbers 1 ns a pixel for the largest error.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -14985,6 +15021,7 @@ template <int C>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace hmesh::kit {
 
@@ -15067,12 +15104,94 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     return {report, measure_finally(tiled, tiling)};
 }
 
+/// Some faces of a mesh, and their sums.
+template <int C>
+struct SummedFaces {
+    Array<std::uint32_t> vertices;  ///< three of each face
+    Array<CornerSums<C>> corners;   ///< of the same
+};
+
+/// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among those of the `parts`.
+template <int C>
+HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& is_solved,
+                           const std::vector<SummedFaces<C>>& parts, double low, double high, double grid, double ridge) {
+    constexpr std::uint32_t none = 0xffffffffU;
+    Array<std::uint32_t> row_of(colors.size(), none), vertex_of, rows;
+    Array<CornerSums<C>> corners;
+    Array<Color<C>> its;
+    for (const SummedFaces<C>& part : parts) {
+        for (const std::uint32_t v : part.vertices) {
+            if (row_of[v] == none) {
+                row_of[v] = static_cast<std::uint32_t>(vertex_of.size());
+                vertex_of.push_back(v);
+                its.push_back(colors[v]);
+            }
+            rows.push_back(row_of[v]);
+        }
+        for (const CornerSums<C>& corner : part.corners) corners.push_back(corner);
+    }
+    auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
+    for (std::size_t k = 0; k < vertex_of.size(); ++k)
+        if (is_solved[vertex_of[k]] != 0) system.hold(k);
+    (void)descend(system, low, high, grid, its, [] { return true; });
+    for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
+}
+
+/// bounded_colors() of a mesh whose image has no table of its own, tile by tile, so that nothing but the mesh is as large as it:
+/// first those that are free in one tiling, then once more those that are free in another, which has other seams. What a seam
+/// holds is felt a few rings of vertices away. Vertices that are free in neither come last, all at once.
+template <int C>
+HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    IndexedMesh<C>& mesh = tiled.indexed();
+    for (Color<C>& color : mesh.colors) to_allowed<C>(color, low, high, grid);
+    BoundedReport report;
+    Array<unsigned char> is_solved(mesh.vertex_count(), 0);
+    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v) is_solved[v] = mesh.is_on_border(v) ? 1 : 0;
+    std::vector<SummedFaces<C>> rest;
+    for (const bool is_last : {false, true}) {
+        const Tiling tiling(source.width(), source.height(), tile, is_last, is_last);
+        Array<BoundedReport> reports(tiling.size());
+        rest.resize(tiling.size());
+        tiled.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
+            ImageMesh<C>& part = patch.mesh();
+            reports[k] = bounded_colors(part, low, high, grid);
+            // No other tile reads or writes what is known of this one's free vertices.
+            for (const Face f : part.topology().faces()) {
+                const auto vertices = part.topology().vertices(f);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    if (part.vertex(vertices[c]).mobility == Mobility::locked) continue;
+                    const std::uint32_t v = mesh.faces[faces[f.index()]][c];
+                    mesh.colors[v] = part.color(vertices[c]);
+                    is_solved[v] = 1;
+                }
+            }
+            for (const Face f : part.topology().faces()) {
+                const Triangle& at = mesh.faces[faces[f.index()]];
+                if (!is_last || (is_solved[at[0]] != 0 && is_solved[at[1]] != 0 && is_solved[at[2]] != 0)) continue;
+                CornerSums<C> sums[3];
+                sum_face(part, f, sums[0], sums[1], sums[2]);
+                for (std::size_t c = 0; c < 3; ++c) {
+                    rest[k].vertices.push_back(at[c]);
+                    rest[k].corners.push_back(sums[c]);
+                }
+            }
+        });
+        for (const BoundedReport& one : reports) {
+            report.sweeps = std::max(report.sweeps, one.sweeps);
+            report.rounding_sweeps = std::max(report.rounding_sweeps, one.rounding_sweeps);
+        }
+    }
+    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, low, high, grid, tiled.limits().ridge);
+    return report;
+}
+
 }  // namespace detail
 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
-/// where grid > 0, and measures the mesh's energy with them. `tiling`: the pieces of the measurement.
+/// where grid > 0, and measures the mesh's energy with them, in tiles of `tile` px.
 template <int C>
-HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, double grid) {
+HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
     IndexedMesh<C>& mesh = tiled.indexed();
     const ImageSource<C>& source = tiled.source();
     detail::find_colors<C>(
@@ -15082,41 +15201,25 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, const Tiling& tiling, 
             if (grid > 0)
                 for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
         });
-    return {{}, detail::measure_finally(tiled, tiling)};
+    return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. `tiling`: the patches over which sums are taken where
-/// the image has no table of its own; the system is solved for the whole mesh. After a cancellation colours are only clamped and
-/// rounded, and the energy is still true of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are made,
+/// and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and rounded, and
+/// the energy is still true of them.
 template <int C>
-HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
-    if (tiled.source().periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
+HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    const Tiling tiling(source.width(), source.height(), tile);
+    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
     FinalColors out;
-    if ((tiling.size() == 1 || tiled.has_whole_table()) &&
-        tiled.for_each(one_tile(tiled.source()), [&](Patch<C>& patch, std::size_t) {
+    if ((tiling.size() == 1 || tiled.has_whole_table()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
-            if (tiled.source().is_integer()) out.max_error = largest_error(patch.mesh());
+            if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
-    IndexedMesh<C>& mesh = tiled.indexed();
-    for (Color<C>& c : mesh.colors) detail::clamp_channels<C>(c, low, high);
-    HalfedgeMesh topology;
-    const Status status = topology.assign(mesh.vertex_count(), mesh.faces);
-    HMESH_ASSERT(status);
-    (void)status;
-    Array<CornerSums<C>> corners(2 * topology.edge_slots());
-    tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
-        for (const Face f : patch.mesh().topology().faces()) {
-            const Halfedge h0 = topology.halfedge(Face(faces[f.index()])), h1 = topology.next(h0), h2 = topology.next(h1);
-            detail::sum_face(patch.mesh(), f, corners[h0.index()], corners[h1.index()], corners[h2.index()]);
-        }
-    });
-    if (tiled.progress().stopped()) std::fill(corners.begin(), corners.end(), CornerSums<C>());  // only the ridge is left
-    auto system = detail::color_system(topology, corners, mesh.colors, tiled.limits().ridge, tiled.parallel_for());
-    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v)
-        if (mesh.is_on_border(v)) system.hold(v);
-    out.bounded = detail::descend(system, low, high, grid, mesh.colors, [&] { return tiled.progress().poll(); });
+    out.bounded = detail::colors_by_tiles(tiled, tile, low, high, grid);
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;
 }
@@ -15422,10 +15525,9 @@ template <int C>
     }
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
-    const kit::Tiling tiling(source.width(), source.height(), tile);
     const kit::FinalColors done = colors == Colors::sampled
-                                      ? sample_colors(tiled, tiling, grid)
-                                      : bounded_colors(tiled, tiling, source.low(), source.high(), grid);
+                                      ? sample_colors(tiled, tile, grid)
+                                      : bounded_colors(tiled, tile, source.low(), source.high(), grid);
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());

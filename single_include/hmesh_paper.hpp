@@ -376,6 +376,7 @@ class PointRemoval {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 namespace hmesh {
 namespace kit::detail {
@@ -387,7 +388,7 @@ bool triangulate_pixels(TiledMesh<C>& tiled, const Array<std::uint32_t>& pixels)
     const ImageSource<C>& source = tiled.source();
     Delaunay mesh(source.width(), source.height(), source.samples());
     if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
-    tiled.indexed() = delaunay_mesh(source, mesh);
+    tiled.indexed() = delaunay_mesh(source, std::move(mesh));
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
