@@ -114,7 +114,7 @@ struct SummedFaces {
     Array<CornerSums<C>> corners;   ///< of the same
 };
 
-/// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among those of the `parts`.
+/// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among the `parts`.
 template <int C>
 HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& is_solved,
                            const std::vector<SummedFaces<C>>& parts, double low, double high, double grid, double ridge) {
@@ -208,9 +208,9 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are made,
-/// and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and rounded, and
-/// the energy is still true of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are
+/// made, and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and
+/// rounded, and the energy is still true of them.
 template <int C>
 HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
     const ImageSource<C>& source = tiled.source();
