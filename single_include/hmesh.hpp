@@ -5944,6 +5944,8 @@ namespace hmesh::kit {
 
 namespace hmesh {
 
+struct Mesh;
+
 /// How far the work is, as told to the progress callback.
 struct ProgressInfo {
     const char* stage = "";    ///< name of the stage, in static memory
@@ -5953,6 +5955,12 @@ struct ProgressInfo {
     /// How much of the whole call is done, in [0, 1]: an estimate of the share of its time, for one bar over all stages and, in a
     /// search for a PSNR, over all runs. Never falls; 1 in the last call, unless the work was cancelled or failed.
     double total = 0;
+    /// Makes the mesh so far, for programs that show it while it grows: valid, with colours in the range of the pixel type that
+    /// are neither rounded nor the final ones (sampled where channels have weights), and as many vertices as `vertices` says, often
+    /// more than the target. Empty where there is none to be had. mesh_image() and mesh_lods() offer it at the end of each stage
+    /// and of each sweep of annealing, on the thread that called them. To be called within this call of the callback alone; takes
+    /// 0.1 to 0.3 us a vertex, and changes no byte of the result.
+    FunctionRef<Mesh()> mesh_so_far{};
 };
 
 /// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
@@ -6021,12 +6029,16 @@ class ProgressReporter {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
         return begin_stage(stage, vertices, energy, from, 1);
     }
-    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
-    bool update(double fraction, std::size_t vertices, double energy) {
+    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy, which the callback can
+    /// ask for unless `mesh_so_far` is empty. False once cancelled.
+    bool update(double fraction, std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
         info_.energy = told(energy);
-        return poll();
+        info_.mesh_so_far = mesh_so_far;
+        const bool go_on = poll();
+        info_.mesh_so_far = {};
+        return go_on;
     }
     /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
     void set_range(double from, double to) noexcept {
@@ -6036,11 +6048,11 @@ class ProgressReporter {
     }
     /// The range as set_range() left it.
     [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
-    /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
-    bool end(std::size_t vertices, double energy) {
+    /// Ends the stage and notes its StageReport with a mesh of this size and energy, as update() tells it. False once cancelled.
+    bool end(std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         stages_.push_back(
             {info_.stage, vertices, told(energy), psnr_of_energy(told(energy), samples_, peak_), iterations_, residual_});
-        return update(1, vertices, energy);
+        return update(1, vertices, energy, mesh_so_far);
     }
     /// Notes for the report of the stage that a linear system was solved. From one task at a time.
     void note_solve(int iterations, double residual) noexcept {
@@ -12879,6 +12891,10 @@ class TiledMesh {
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
     void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
+    /// From now on mesh_so_far() is this, whose callable must outlive the work.
+    void offer(FunctionRef<Mesh()> mesh_so_far) noexcept { mesh_so_far_ = mesh_so_far; }
+    /// What progress() may offer as ProgressInfo::mesh_so_far between phases; empty: nothing.
+    [[nodiscard]] FunctionRef<Mesh()> mesh_so_far() const noexcept { return mesh_so_far_; }
     /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
@@ -12887,6 +12903,8 @@ class TiledMesh {
         put_together();
         return indexed_;
     }
+    /// A copy of indexed() that leaves the mesh as it is held, and so all later work on it; between phases only.
+    [[nodiscard]] HMESH_COLD IndexedMesh<C> copy() { return is_cut() ? joined({}, true) : indexed_; }
     /// The number of vertices, a copy not counted; unlike indexed(), never converts the mesh.
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
         if (!is_cut()) return indexed_.distinct_count();
@@ -13047,9 +13065,16 @@ class TiledMesh {
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         patches_.resize(tiling.size());
     }
-    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of patches that are gone.
+    /// Ends is_cut(): indexed_ becomes what is joined().
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
         if (!is_cut()) return;
+        indexed_ = joined(std::move(results), false);
+        cut_ = {};
+        patches_.clear();
+    }
+    /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
+    /// gone. Unless it `stays` as it is held, what is done with is freed.
+    [[nodiscard]] HMESH_COLD IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {
@@ -13093,9 +13118,11 @@ class TiledMesh {
                 if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
         }
         // Three meshes would be too many for those that fill the memory.
-        indexed_ = {};
-        cut_.faces = {};
-        cut_.owner = {};
+        if (!stays) {
+            indexed_ = {};
+            cut_.faces = {};
+            cut_.owner = {};
+        }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back(), Color<C>::zero());
         merged.dirty.resize(first_vertex.back());
@@ -13118,15 +13145,14 @@ class TiledMesh {
         });
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut.number[v]] = 1;
-        indexed_ = std::move(merged);
-        cut_ = {};
-        patches_.clear();
+        return merged;
     }
 
     const ImageSource<C>* source_;
     MeshLimits limits_;
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
+    FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};
     detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
@@ -13719,7 +13745,7 @@ namespace hmesh::kit {
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
-           tiled.progress().end(tiled.vertex_count(), tiled.energy());
+           tiled.progress().end(tiled.vertex_count(), tiled.energy(), tiled.mesh_so_far());
 }
 
 /// The tiling of one tile over the whole image, in which the paper's methods and the baselines work.
@@ -14298,7 +14324,7 @@ class AnnealedRun {
                 counts.resize(piece_count(phase_ ^ 1));
                 if (!for_each_seam(end, done(k + 1), body)) return false;
             }
-            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
+            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy(), tiled_->mesh_so_far())) return false;
         }
         return true;
     }
@@ -15189,11 +15215,9 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
 }  // namespace detail
 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
-/// where grid > 0, and measures the mesh's energy with them, in tiles of `tile` px.
+/// where grid > 0.
 template <int C>
-HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
-    IndexedMesh<C>& mesh = tiled.indexed();
-    const ImageSource<C>& source = tiled.source();
+HMESH_COLD void take_sampled_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source, double grid = 0) {
     detail::find_colors<C>(
         source, mesh.vertex_count(), [&](std::size_t v) { return mesh.positions[v]; },
         [&](std::size_t v, const Color<C>& sampled) {
@@ -15201,6 +15225,12 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
             if (grid > 0)
                 for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
         });
+}
+/// The same, which measures the mesh's energy with them, in tiles of `tile` px.
+template <int C>
+HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    take_sampled_colors(tiled.indexed(), source, grid);
     return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 
@@ -15506,6 +15536,19 @@ void tell_in_image_units(kit::ProgressReporter& progress, const Subject<C>& subj
     if (const kit::ChannelScale<C>* const scale = subject.fitted->scale()) progress.set_energy_unit(1 / (scale->unit * scale->unit));
 }
 
+/// The mesh that a method works on, between two phases, as ProgressInfo::mesh_so_far gives it.
+template <int C>
+[[nodiscard]] HMESH_COLD Mesh mesh_so_far(const Subject<C>& subject, kit::TiledMesh<C>& fitted, const Options& options) {
+    const kit::ImageSource<C>& source = *subject.image;
+    kit::IndexedMesh<C> mesh = fitted.copy();
+    if (subject.fitted->scale() != nullptr) kit::take_sampled_colors(mesh, source);
+    for (kit::Color<C>& color : mesh.colors) kit::detail::clamp_channels<C>(color, source.low(), source.high());
+    kit::finish_cut(mesh, source.has_straight_seams());
+    Mesh result = to_mesh(mesh, source.peak());
+    result.premultiplied = options.premultiplied;
+    return result;
+}
+
 /// What a method made of subject.fitted, with its status, as a result: the mesh with final colours, found in tiles of this size in
 /// px, and its report. Where channels are not scaled, `fitted` has these colours then.
 template <int C>
@@ -15531,6 +15574,7 @@ template <int C>
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
+    result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.is_integer() && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
         return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
@@ -15540,7 +15584,8 @@ template <int C>
         : source.periodic() == Periodic::none ? errors_of(result.mesh)
                                               : errors_of(unrolled(result.mesh.view()));
     const double energy = errors.energy;
-    progress.end(mesh.distinct_count(), energy);
+    const auto made = [&] { return result.mesh; };
+    progress.end(mesh.distinct_count(), energy, made);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages(), errors.largest};
@@ -15561,6 +15606,8 @@ template <int C>
     kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
     fitted.notes() = std::move(notes);
     fitted.indexed() = kit::tied_corner_mesh(*subject.fitted);  // what a cancellation finds
+    const auto so_far = [&] { return mesh_so_far(subject, fitted, options); };
+    fitted.offer(so_far);
     const Status status = recipe.run(fitted, n, from);
     result = finish(subject, fitted, status, tile, recipe.colors, options);
     notes = std::move(fitted.notes());
@@ -15737,7 +15784,6 @@ template <class T, int C>
         };
         const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
         result = mesh_target(subject, reference, options, parallel_for);
-        result.mesh.premultiplied = options.premultiplied;
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;

@@ -433,7 +433,6 @@ template <class T, int C>
     };
     watched.progress = progress;
     result = mesh_target<C>({&source, fitted ? &*fitted : &source, pixels * channels}, recipe, watched, parallel_for);
-    result.mesh.premultiplied = options.premultiplied;
     if (!image.has_failed()) return result;
     result = {};
     result.status = image.status();

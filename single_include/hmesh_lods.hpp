@@ -320,6 +320,8 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
         kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), {from, to});
         tell_in_image_units(progress, subject);
         from = to;
+        const auto so_far = [&] { return mesh_so_far(subject, tiled, options); };
+        tiled.offer(so_far);
         tiled.report_to(progress);
         const Status status = recipe.coarser(counts[k]).coarsen(tiled, counts[k]);
         Result result = finish(subject, tiled, status, tile_of(counts[k]), options.colors.value_or(Annealed::colors), options);
@@ -328,7 +330,6 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
             lods.status = result.status;
             return;
         }
-        result.mesh.premultiplied = options.premultiplied;
         lods.levels.push_back(std::move(result));
     }
 }

@@ -79,6 +79,19 @@ void tell_in_image_units(kit::ProgressReporter& progress, const Subject<C>& subj
     if (const kit::ChannelScale<C>* const scale = subject.fitted->scale()) progress.set_energy_unit(1 / (scale->unit * scale->unit));
 }
 
+/// The mesh that a method works on, between two phases, as ProgressInfo::mesh_so_far gives it.
+template <int C>
+[[nodiscard]] HMESH_COLD Mesh mesh_so_far(const Subject<C>& subject, kit::TiledMesh<C>& fitted, const Options& options) {
+    const kit::ImageSource<C>& source = *subject.image;
+    kit::IndexedMesh<C> mesh = fitted.copy();
+    if (subject.fitted->scale() != nullptr) kit::take_sampled_colors(mesh, source);
+    for (kit::Color<C>& color : mesh.colors) kit::detail::clamp_channels<C>(color, source.low(), source.high());
+    kit::finish_cut(mesh, source.has_straight_seams());
+    Mesh result = to_mesh(mesh, source.peak());
+    result.premultiplied = options.premultiplied;
+    return result;
+}
+
 /// What a method made of subject.fitted, with its status, as a result: the mesh with final colours, found in tiles of this size in
 /// px, and its report. Where channels are not scaled, `fitted` has these colours then.
 template <int C>
@@ -104,6 +117,7 @@ template <int C>
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
+    result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.is_integer() && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
         return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
@@ -113,7 +127,8 @@ template <int C>
         : source.periodic() == Periodic::none ? errors_of(result.mesh)
                                               : errors_of(unrolled(result.mesh.view()));
     const double energy = errors.energy;
-    progress.end(mesh.distinct_count(), energy);
+    const auto made = [&] { return result.mesh; };
+    progress.end(mesh.distinct_count(), energy, made);
     if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages(), errors.largest};
@@ -134,6 +149,8 @@ template <int C>
     kit::TiledMesh<C> fitted(*subject.fitted, options.limits, progress, parallel_for);
     fitted.notes() = std::move(notes);
     fitted.indexed() = kit::tied_corner_mesh(*subject.fitted);  // what a cancellation finds
+    const auto so_far = [&] { return mesh_so_far(subject, fitted, options); };
+    fitted.offer(so_far);
     const Status status = recipe.run(fitted, n, from);
     result = finish(subject, fitted, status, tile, recipe.colors, options);
     notes = std::move(fitted.notes());
@@ -310,7 +327,6 @@ template <class T, int C>
         };
         const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
         result = mesh_target(subject, reference, options, parallel_for);
-        result.mesh.premultiplied = options.premultiplied;
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;

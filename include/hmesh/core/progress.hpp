@@ -20,6 +20,8 @@
 
 namespace hmesh {
 
+struct Mesh;
+
 /// How far the work is, as told to the progress callback.
 struct ProgressInfo {
     const char* stage = "";    ///< name of the stage, in static memory
@@ -29,6 +31,12 @@ struct ProgressInfo {
     /// How much of the whole call is done, in [0, 1]: an estimate of the share of its time, for one bar over all stages and, in a
     /// search for a PSNR, over all runs. Never falls; 1 in the last call, unless the work was cancelled or failed.
     double total = 0;
+    /// Makes the mesh so far, for programs that show it while it grows: valid, with colours in the range of the pixel type that
+    /// are neither rounded nor the final ones (sampled where channels have weights), and as many vertices as `vertices` says, often
+    /// more than the target. Empty where there is none to be had. mesh_image() and mesh_lods() offer it at the end of each stage
+    /// and of each sweep of annealing, on the thread that called them. To be called within this call of the callback alone; takes
+    /// 0.1 to 0.3 us a vertex, and changes no byte of the result.
+    FunctionRef<Mesh()> mesh_so_far{};
 };
 
 /// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
@@ -97,12 +105,16 @@ class ProgressReporter {
         const double from = plan_.empty() ? stage_to_ : std::max(stage_to_, 1 - plan_.back());
         return begin_stage(stage, vertices, energy, from, 1);
     }
-    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy. False once cancelled.
-    bool update(double fraction, std::size_t vertices, double energy) {
+    /// Reports that this fraction of the stage is done, in [0, 1], with a mesh of this size and energy, which the callback can
+    /// ask for unless `mesh_so_far` is empty. False once cancelled.
+    bool update(double fraction, std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         set_range(fraction, fraction);
         info_.vertices = vertices;
         info_.energy = told(energy);
-        return poll();
+        info_.mesh_so_far = mesh_so_far;
+        const bool go_on = poll();
+        info_.mesh_so_far = {};
+        return go_on;
     }
     /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
     void set_range(double from, double to) noexcept {
@@ -112,11 +124,11 @@ class ProgressReporter {
     }
     /// The range as set_range() left it.
     [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
-    /// Ends the stage and notes its StageReport with a mesh of this size and energy. False once cancelled.
-    bool end(std::size_t vertices, double energy) {
+    /// Ends the stage and notes its StageReport with a mesh of this size and energy, as update() tells it. False once cancelled.
+    bool end(std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         stages_.push_back(
             {info_.stage, vertices, told(energy), psnr_of_energy(told(energy), samples_, peak_), iterations_, residual_});
-        return update(1, vertices, energy);
+        return update(1, vertices, energy, mesh_so_far);
     }
     /// Notes for the report of the stage that a linear system was solved. From one task at a time.
     void note_solve(int iterations, double residual) noexcept {

@@ -192,11 +192,9 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
 }  // namespace detail
 
 /// Gives all vertices the colours of the image at their positions (solve/sampled_colors.hpp), rounded to multiples of `grid`
-/// where grid > 0, and measures the mesh's energy with them, in tiles of `tile` px.
+/// where grid > 0.
 template <int C>
-HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
-    IndexedMesh<C>& mesh = tiled.indexed();
-    const ImageSource<C>& source = tiled.source();
+HMESH_COLD void take_sampled_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source, double grid = 0) {
     detail::find_colors<C>(
         source, mesh.vertex_count(), [&](std::size_t v) { return mesh.positions[v]; },
         [&](std::size_t v, const Color<C>& sampled) {
@@ -204,6 +202,12 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
             if (grid > 0)
                 for (int c = 0; c < C; ++c) color.set(c, std::floor(color[c] / grid + 0.5) * grid);
         });
+}
+/// The same, which measures the mesh's energy with them, in tiles of `tile` px.
+template <int C>
+HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
+    const ImageSource<C>& source = tiled.source();
+    take_sampled_colors(tiled.indexed(), source, grid);
     return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 

@@ -26,7 +26,7 @@ namespace hmesh::kit {
 template <int C>
 bool run_stage(TiledMesh<C>& tiled, const char* name, FunctionRef<bool()> body) {
     return tiled.progress().begin(name, tiled.vertex_count(), tiled.energy()) && body() &&
-           tiled.progress().end(tiled.vertex_count(), tiled.energy());
+           tiled.progress().end(tiled.vertex_count(), tiled.energy(), tiled.mesh_so_far());
 }
 
 /// The tiling of one tile over the whole image, in which the paper's methods and the baselines work.

@@ -60,6 +60,10 @@ class TiledMesh {
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
     void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
+    /// From now on mesh_so_far() is this, whose callable must outlive the work.
+    void offer(FunctionRef<Mesh()> mesh_so_far) noexcept { mesh_so_far_ = mesh_so_far; }
+    /// What progress() may offer as ProgressInfo::mesh_so_far between phases; empty: nothing.
+    [[nodiscard]] FunctionRef<Mesh()> mesh_so_far() const noexcept { return mesh_so_far_; }
     /// The executor of pieces of work.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
@@ -68,6 +72,8 @@ class TiledMesh {
         put_together();
         return indexed_;
     }
+    /// A copy of indexed() that leaves the mesh as it is held, and so all later work on it; between phases only.
+    [[nodiscard]] HMESH_COLD IndexedMesh<C> copy() { return is_cut() ? joined({}, true) : indexed_; }
     /// The number of vertices, a copy not counted; unlike indexed(), never converts the mesh.
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
         if (!is_cut()) return indexed_.distinct_count();
@@ -228,9 +234,16 @@ class TiledMesh {
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         patches_.resize(tiling.size());
     }
-    /// Ends is_cut(): makes indexed_ of the locked vertices of cut_, of patches_, and of the results of patches that are gone.
+    /// Ends is_cut(): indexed_ becomes what is joined().
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
         if (!is_cut()) return;
+        indexed_ = joined(std::move(results), false);
+        cut_ = {};
+        patches_.clear();
+    }
+    /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
+    /// gone. Unless it `stays` as it is held, what is done with is freed.
+    [[nodiscard]] HMESH_COLD IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {
@@ -274,9 +287,11 @@ class TiledMesh {
                 if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
         }
         // Three meshes would be too many for those that fill the memory.
-        indexed_ = {};
-        cut_.faces = {};
-        cut_.owner = {};
+        if (!stays) {
+            indexed_ = {};
+            cut_.faces = {};
+            cut_.owner = {};
+        }
         merged.positions.resize(first_vertex.back());
         merged.colors.resize(first_vertex.back(), Color<C>::zero());
         merged.dirty.resize(first_vertex.back());
@@ -299,15 +314,14 @@ class TiledMesh {
         });
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut.number[v]] = 1;
-        indexed_ = std::move(merged);
-        cut_ = {};
-        patches_.clear();
+        return merged;
     }
 
     const ImageSource<C>* source_;
     MeshLimits limits_;
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
+    FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};
     detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches

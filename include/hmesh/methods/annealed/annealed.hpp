@@ -365,7 +365,7 @@ class AnnealedRun {
                 counts.resize(piece_count(phase_ ^ 1));
                 if (!for_each_seam(end, done(k + 1), body)) return false;
             }
-            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy())) return false;
+            if (!progress().update(done(k + 1), tiled_->vertex_count(), tiled_->energy(), tiled_->mesh_so_far())) return false;
         }
         return true;
     }
