@@ -6788,8 +6788,8 @@ struct Annealed {
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
     /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
     /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image, Mesh::periodic or Mesh::samples other than those of the options, a border
-    /// that is to be straight and is not.
+    /// not finite, faces that do not tile the image, more than 63 of them around a vertex, Mesh::periodic or Mesh::samples other
+    /// than those of the options, a border that is to be straight and is not.
     const Mesh* start = nullptr;
     /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
     /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
@@ -14033,7 +14033,14 @@ template <int C>
             if (!is_finite(mesh.colors[v][c]))
                 return {Errc::invalid_argument, "the mesh to start from has a colour that is not finite, at vertex",
                         static_cast<std::int64_t>(v), 0};
-    return check(mesh);
+    if (const Status status = check(mesh); !status) return status;
+    constexpr std::uint32_t most = ring_capacity - 1;  // a vertex on the border has one edge more than faces
+    Array<std::uint32_t> faces(mesh.vertex_count(), 0);
+    for (const Triangle& face : mesh.faces)
+        for (const std::uint32_t v : face)
+            if (++faces[mesh.roots.empty() ? v : mesh.roots[v]] > most)
+                return {Errc::invalid_argument, "the mesh to start from has too many faces around vertex", v, most};
+    return {};
 }
 
 /// Whether these are the vertices on the border of a mesh.

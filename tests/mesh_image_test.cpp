@@ -751,4 +751,23 @@ TEST_CASE("what is no mesh of the image is refused as a start") {
     bad.channels = 4;
     CHECK(refuses(bad));
     CHECK(refuses({}));
+    // A fan around one vertex, with more spokes than a ring holds.
+    const auto fan = [](int on_side) {
+        hmesh::Mesh mesh = {{20, 15}, {1, 2, 3}, {}, 3, 40, 30, 255};
+        const auto add = [&](int x, int y) {
+            mesh.positions.insert(mesh.positions.end(), {static_cast<float>(40 * x) / static_cast<float>(on_side),
+                                                         static_cast<float>(30 * y) / static_cast<float>(on_side)});
+            mesh.colors.insert(mesh.colors.end(), {4, 5, 6});
+        };
+        for (int k = 0; k < on_side; ++k) add(k, 0);
+        for (int k = 0; k < on_side; ++k) add(on_side, k);
+        for (int k = on_side; k > 0; --k) add(k, on_side);
+        for (int k = on_side; k > 0; --k) add(0, k);
+        const auto count = static_cast<std::uint32_t>(4 * on_side);
+        for (std::uint32_t k = 0; k < count; ++k) mesh.faces.push_back({0, 1 + k, 1 + (k + 1) % count});
+        return mesh;
+    };
+    CHECK(!refuses(fan(8)));
+    CHECK(refuses(fan(16)));
+    CHECK(refuses(fan(512)));
 }

@@ -34,6 +34,7 @@
 #include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
+#include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
@@ -74,7 +75,14 @@ template <int C>
             if (!is_finite(mesh.colors[v][c]))
                 return {Errc::invalid_argument, "the mesh to start from has a colour that is not finite, at vertex",
                         static_cast<std::int64_t>(v), 0};
-    return check(mesh);
+    if (const Status status = check(mesh); !status) return status;
+    constexpr std::uint32_t most = ring_capacity - 1;  // a vertex on the border has one edge more than faces
+    Array<std::uint32_t> faces(mesh.vertex_count(), 0);
+    for (const Triangle& face : mesh.faces)
+        for (const std::uint32_t v : face)
+            if (++faces[mesh.roots.empty() ? v : mesh.roots[v]] > most)
+                return {Errc::invalid_argument, "the mesh to start from has too many faces around vertex", v, most};
+    return {};
 }
 
 /// Whether these are the vertices on the border of a mesh.
