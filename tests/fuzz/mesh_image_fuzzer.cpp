@@ -154,14 +154,22 @@ hmesh::ImageView<T, C> spoil(FuzzInput& input, hmesh::ImageView<T, C> view) {
 
 // --- how it is run ---
 
-// Cancels after so many calls.
+// Cancels after so many calls; looks at the meshes that are offered until then.
 struct Patience {
     int calls = 0;
     bool is_over = false;
+    bool looks = false;
 
     bool operator()(const hmesh::ProgressInfo& info) {
         demand(info.stage != nullptr && *info.stage != 0, "a stage has a name");
         demand(!std::isnan(info.energy), "an energy is a number");
+        if (looks && info.mesh_so_far) {
+            const hmesh::Mesh mesh = info.mesh_so_far();
+            const std::string flaw = hmesh_test::flaw_of(mesh.view(), mesh.width, mesh.height);
+            demand(flaw.empty(), flaw.c_str());
+            demand(mesh.vertex_count() == info.vertices, "the mesh so far has as many vertices as is said");
+            for (const float color : mesh.colors) demand(!std::isnan(color), "the colours so far are numbers");
+        }
         return operator()(info.fraction);
     }
     bool operator()(double fraction) {
@@ -313,7 +321,7 @@ void fuzz(FuzzInput& input) {
     image.fill_gaps(0);
     const std::vector<unsigned char> before = image.bytes();
 
-    Patience patience{calls, false};
+    Patience patience{calls, false, true};
     options.progress = patience;
     const auto mesh_image = [&](const hmesh::ParallelFor& parallel_for) {
         return std::visit([&](const auto& recipe) { return hmesh::mesh_image(view, options, recipe, parallel_for); },
@@ -331,7 +339,7 @@ void fuzz(FuzzInput& input) {
     if (weights) weights->fill_gaps(255);
     // Where the callback falls among the pieces of a stage depends on their order.
     const bool was_cancelled = patience.is_over;
-    patience = {calls, false};
+    patience = {calls, false};  // who looks gets the same mesh as who does not
     const hmesh_test::ReverseFor backwards;
     demand_same(result, mesh_image(was_cancelled ? hmesh::ParallelFor() : hmesh::ParallelFor(backwards)));
 }
