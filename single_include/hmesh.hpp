@@ -34,6 +34,266 @@
 
 #endif  // HMESH_CORE_VERSION_HPP
 
+// ---- hmesh/core/assert.hpp
+
+/// \file
+/// HMESH_ASSERT: the check for wrong use of the library by its caller.
+///
+/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
+/// include of hmesh to send failures elsewhere; that changes no type and no layout.
+#ifndef HMESH_CORE_ASSERT_HPP
+#define HMESH_CORE_ASSERT_HPP
+
+#ifndef HMESH_ASSERT
+#include <cassert>
+/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
+#define HMESH_ASSERT(condition) assert(condition)
+#endif
+
+#endif  // HMESH_CORE_ASSERT_HPP
+
+// ---- hmesh/core/compiler.hpp
+
+/// \file
+/// Attributes of functions: inlined always, inlined never, seldom run.
+#ifndef HMESH_CORE_COMPILER_HPP
+#define HMESH_CORE_COMPILER_HPP
+
+/// Inlined even where a compiler thinks the function too large: for what innermost loops call. Not without optimisation, where
+/// it would only make compiling slower, up to twice.
+#if defined(__GNUC__) && defined(__OPTIMIZE__)
+#define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
+#elif defined(_MSC_VER)
+#define HMESH_ALWAYS_INLINE __forceinline
+#else
+#define HMESH_ALWAYS_INLINE inline
+#endif
+
+/// Never inlined or cloned: two copies may contract a*b+c differently and round differently, and each costs compile time.
+#if defined(__clang__)
+#define HMESH_NEVER_INLINE __attribute__((noinline))
+#elif defined(__GNUC__)
+#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
+#elif defined(_MSC_VER)
+#define HMESH_NEVER_INLINE __declspec(noinline)
+#else
+#define HMESH_NEVER_INLINE
+#endif
+
+/// For functions that run once a mesh, tile or stage, never once a vertex: compiled for size, which takes a tenth off the compile
+/// time of a call of mesh_image() and adds less than 0.5 % to its run time. To clang++ `cold` alone means no size.
+#if defined(__clang__)
+#define HMESH_COLD __attribute__((cold, minsize))
+#elif defined(__GNUC__)
+#define HMESH_COLD __attribute__((cold))
+#else
+#define HMESH_COLD
+#endif
+
+#endif  // HMESH_CORE_COMPILER_HPP
+
+// ---- hmesh/core/array.hpp
+
+/// \file
+/// Array: a row of plain elements that grows, as std::vector is one.
+///
+/// A std::vector is compiled for each type of elements, some 40 functions of it, and a call of mesh_image() takes 50 types.
+/// Elements that are copied as bytes need not be known to what makes room for them: an Array leaves that to one class, which
+/// takes a sixth off the compile time of the call. It has those of std::vector's members that are used here, and converts from
+/// and to a std::vector, by a copy.
+#ifndef HMESH_CORE_ARRAY_HPP
+#define HMESH_CORE_ARRAY_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstring>
+#include <initializer_list>
+#include <new>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+namespace hmesh::kit {
+namespace detail {
+
+/// The memory of an Array, in bytes, for elements of this alignment.
+template <std::size_t alignment>
+class ArrayMemory {
+  public:
+    ArrayMemory() noexcept = default;
+    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
+    ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
+    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
+        swap(other);
+        return *this;
+    }
+    HMESH_COLD ~ArrayMemory() { free(data_); }
+
+  protected:
+    /// Makes room for so many bytes in all, or for twice as many as there were.
+    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
+        if (bytes <= room_) return;
+        const std::size_t room = std::max(bytes, 2 * room_);
+        void* data = nullptr;  // aligned memory costs more, where it is not needed
+        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) data = ::operator new (room, std::align_val_t{alignment});
+        else data = ::operator new(room);
+        if (used_ > 0) std::memcpy(data, data_, used_);
+        free(std::exchange(data_, static_cast<unsigned char*>(data)));
+        room_ = room;
+    }
+    /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
+    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
+        if (bytes == 0) return;
+        make_room(used_ + bytes);
+        std::memmove(data_ + place + bytes, data_ + place, used_ - place);
+        std::memcpy(data_ + place, from, bytes);
+        used_ += bytes;
+    }
+    void append(const void* from, std::size_t bytes) { put_in(used_, from, bytes); }
+    void swap(ArrayMemory& other) noexcept {
+        std::swap(data_, other.data_);
+        std::swap(used_, other.used_);
+        std::swap(room_, other.room_);
+    }
+
+    unsigned char* data_ = nullptr;
+    std::size_t used_ = 0, room_ = 0;  ///< bytes
+
+  private:
+    static void free(void* data) noexcept {
+        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) ::operator delete (data, std::align_val_t{alignment});
+        else ::operator delete(data);
+    }
+};
+
+}  // namespace detail
+
+/// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
+/// erase() takes the last elements only, and that insert() takes none of the array's own.
+template <class T>
+class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))> {
+    static_assert(std::is_trivially_copyable_v<T>, "elements are copied as bytes");
+    using Memory = detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))>;
+    using Memory::append, Memory::data_, Memory::make_room, Memory::put_in, Memory::room_, Memory::used_;
+
+  public:
+    /// The type of the elements.
+    using value_type = T;  // NOLINT(readability-identifier-naming): std's name
+
+    /// No elements.
+    Array() noexcept = default;
+    /// n elements T().
+    explicit Array(std::size_t n) { resize(n); }
+    /// n times a value.
+    Array(std::size_t n, const T& value) { resize(n, value); }
+    /// These values.
+    Array(std::initializer_list<T> values) { append(values.begin(), values.size() * sizeof(T)); }
+    /// Copies of [first, last).
+    Array(const T* first, const T* last) { assign(first, last); }
+    /// The elements of a vector.
+    Array(const std::vector<T>& values)  // NOLINT(google-explicit-constructor)
+        : Array(values.data(), values.data() + values.size()) {}
+    /// A vector of the elements.
+    operator std::vector<T>() const { return std::vector<T>(begin(), end()); }  // NOLINT(google-explicit-constructor)
+
+    [[nodiscard]] std::size_t size() const noexcept { return used_ / sizeof(T); }               ///< number of elements
+    [[nodiscard]] bool empty() const noexcept { return used_ == 0; }                            ///< whether there are none
+    [[nodiscard]] T* data() noexcept { return reinterpret_cast<T*>(data_); }                    ///< the first element
+    [[nodiscard]] const T* data() const noexcept { return reinterpret_cast<const T*>(data_); }  ///< the first element
+    [[nodiscard]] T* begin() noexcept { return data(); }                                        ///< the first element
+    [[nodiscard]] const T* begin() const noexcept { return data(); }                            ///< the first element
+    [[nodiscard]] T* end() noexcept { return reinterpret_cast<T*>(data_ + used_); }             ///< behind the last element
+    /// Behind the last element.
+    [[nodiscard]] const T* end() const noexcept { return reinterpret_cast<const T*>(data_ + used_); }
+    /// Element i < size(), which is checked where std::vector's are.
+    [[nodiscard]] T& operator[](std::size_t i) noexcept {
+#if defined(_GLIBCXX_ASSERTIONS)
+        HMESH_ASSERT(i < size());
+#endif
+        return data()[i];
+    }
+    /// Element i < size(), likewise.
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept {
+#if defined(_GLIBCXX_ASSERTIONS)
+        HMESH_ASSERT(i < size());
+#endif
+        return data()[i];
+    }
+    [[nodiscard]] T& front() noexcept { return (*this)[0]; }                      ///< the first element
+    [[nodiscard]] const T& front() const noexcept { return (*this)[0]; }          ///< the first element
+    [[nodiscard]] T& back() noexcept { return (*this)[size() - 1]; }              ///< the last element
+    [[nodiscard]] const T& back() const noexcept { return (*this)[size() - 1]; }  ///< the last element
+
+    /// Adds an element.
+    void push_back(const T& value) {
+        if (used_ + sizeof(T) <= room_) {
+            new (data_ + used_) T(value);
+            used_ += sizeof(T);
+            return;
+        }
+        const T copy = value;  // which may be one of the elements
+        append(&copy, sizeof(T));
+    }
+    /// Adds an element made of these parts.
+    template <class... Parts>
+    void emplace_back(const Parts&... parts) {
+        push_back(T(parts...));
+    }
+    void pop_back() noexcept { used_ -= sizeof(T); }           ///< drops the last element
+    void reserve(std::size_t n) { make_room(n * sizeof(T)); }  ///< makes room for n elements
+    /// n elements; new ones are T().
+    void resize(std::size_t n) {
+        reserve(n);
+        for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
+        used_ = n * sizeof(T);
+    }
+    /// n elements; new ones are not initialised: to be written before they are read.
+    void resize_raw(std::size_t n) {
+        reserve(n);
+        used_ = n * sizeof(T);
+    }
+    /// n elements; new ones have this value.
+    void resize(std::size_t n, const T& value) {
+        reserve(n);
+        for (std::size_t i = size(); i < n; ++i) new (data() + i) T(value);
+        used_ = n * sizeof(T);
+    }
+    /// n times a value, which is none of the elements.
+    void assign(std::size_t n, const T& value) {
+        used_ = 0;
+        resize(n, value);
+    }
+    /// Copies of [first, last).
+    void assign(const T* first, const T* last) {
+        used_ = 0;
+        append(first, static_cast<std::size_t>(last - first) * sizeof(T));
+    }
+    /// Copies of [first, last) before a place.
+    void insert(const T* place, const T* first, const T* last) {
+        put_in(static_cast<std::size_t>(place - begin()) * sizeof(T), first, static_cast<std::size_t>(last - first) * sizeof(T));
+    }
+    /// A value before a place.
+    void insert(const T* place, const T& value) { insert(place, &value, &value + 1); }
+    /// Drops the elements from `first` to the last one.
+    void erase(const T* first, [[maybe_unused]] const T* last) noexcept {
+        HMESH_ASSERT(last == end());
+        used_ = static_cast<std::size_t>(first - begin()) * sizeof(T);
+    }
+    void clear() noexcept { used_ = 0; }                       ///< drops all elements; memory is kept
+    void swap(Array& other) noexcept { Memory::swap(other); }  ///< exchanges the elements
+
+    /// The same elements.
+    [[nodiscard]] friend bool operator==(const Array& a, const Array& b) {
+        return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
+    }
+    /// Other elements.
+    [[nodiscard]] friend bool operator!=(const Array& a, const Array& b) { return !(a == b); }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_CORE_ARRAY_HPP
+
 // ---- hmesh/core/finite.hpp
 
 /// \file
@@ -456,259 +716,6 @@ struct Mesh {
 }  // namespace hmesh
 
 #endif  // HMESH_MESH_MESH_HPP
-
-// ---- hmesh/core/assert.hpp
-
-/// \file
-/// HMESH_ASSERT: the check for wrong use of the library by its caller.
-///
-/// Wrong *input* (sizes, targets, pixels) never asserts: it is reported by a Status. Define HMESH_ASSERT before the first
-/// include of hmesh to send failures elsewhere; that changes no type and no layout.
-#ifndef HMESH_CORE_ASSERT_HPP
-#define HMESH_CORE_ASSERT_HPP
-
-#ifndef HMESH_ASSERT
-#include <cassert>
-/// Fails where the condition is false, which is a mistake of the caller. By default it is assert(), hence nothing with NDEBUG.
-#define HMESH_ASSERT(condition) assert(condition)
-#endif
-
-#endif  // HMESH_CORE_ASSERT_HPP
-
-// ---- hmesh/core/compiler.hpp
-
-/// \file
-/// Attributes of functions: inlined always, inlined never, seldom run.
-#ifndef HMESH_CORE_COMPILER_HPP
-#define HMESH_CORE_COMPILER_HPP
-
-/// Inlined even where a compiler thinks the function too large: for what innermost loops call. Not without optimisation, where
-/// it would only make compiling slower, up to twice.
-#if defined(__GNUC__) && defined(__OPTIMIZE__)
-#define HMESH_ALWAYS_INLINE inline __attribute__((always_inline))
-#elif defined(_MSC_VER)
-#define HMESH_ALWAYS_INLINE __forceinline
-#else
-#define HMESH_ALWAYS_INLINE inline
-#endif
-
-/// Never inlined or cloned: two copies may contract a*b+c differently and round differently, and each costs compile time.
-#if defined(__clang__)
-#define HMESH_NEVER_INLINE __attribute__((noinline))
-#elif defined(__GNUC__)
-#define HMESH_NEVER_INLINE __attribute__((noinline, noclone))
-#elif defined(_MSC_VER)
-#define HMESH_NEVER_INLINE __declspec(noinline)
-#else
-#define HMESH_NEVER_INLINE
-#endif
-
-/// For functions that run once a mesh, tile or stage, never once a vertex: compiled for size, which takes a tenth off the compile
-/// time of a call of mesh_image() and adds less than 0.5 % to its run time.
-#if defined(__GNUC__)
-#define HMESH_COLD __attribute__((cold))
-#else
-#define HMESH_COLD
-#endif
-
-#endif  // HMESH_CORE_COMPILER_HPP
-
-// ---- hmesh/core/array.hpp
-
-/// \file
-/// Array: a row of plain elements that grows, as std::vector is one.
-///
-/// A std::vector is compiled for each type of elements, some 40 functions of it, and a call of mesh_image() takes 50 types.
-/// Elements that are copied as bytes need not be known to what makes room for them: an Array leaves that to one class, which
-/// takes a sixth off the compile time of the call. It has those of std::vector's members that are used here, and converts from
-/// and to a std::vector, by a copy.
-#ifndef HMESH_CORE_ARRAY_HPP
-#define HMESH_CORE_ARRAY_HPP
-
-#include <algorithm>
-#include <cstddef>
-#include <cstring>
-#include <initializer_list>
-#include <new>
-#include <type_traits>
-#include <utility>
-#include <vector>
-
-namespace hmesh::kit {
-namespace detail {
-
-/// The memory of an Array, in bytes, for elements of this alignment.
-template <std::size_t alignment>
-class ArrayMemory {
-  public:
-    ArrayMemory() noexcept = default;
-    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
-    ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
-        swap(other);
-        return *this;
-    }
-    HMESH_COLD ~ArrayMemory() { free(data_); }
-
-  protected:
-    /// Makes room for so many bytes in all, or for twice as many as there were.
-    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
-        if (bytes <= room_) return;
-        const std::size_t room = std::max(bytes, 2 * room_);
-        void* data = nullptr;  // aligned memory costs more, where it is not needed
-        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) data = ::operator new (room, std::align_val_t{alignment});
-        else data = ::operator new(room);
-        if (used_ > 0) std::memcpy(data, data_, used_);
-        free(std::exchange(data_, static_cast<unsigned char*>(data)));
-        room_ = room;
-    }
-    /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
-    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
-        if (bytes == 0) return;
-        make_room(used_ + bytes);
-        std::memmove(data_ + place + bytes, data_ + place, used_ - place);
-        std::memcpy(data_ + place, from, bytes);
-        used_ += bytes;
-    }
-    void append(const void* from, std::size_t bytes) { put_in(used_, from, bytes); }
-    void swap(ArrayMemory& other) noexcept {
-        std::swap(data_, other.data_);
-        std::swap(used_, other.used_);
-        std::swap(room_, other.room_);
-    }
-
-    unsigned char* data_ = nullptr;
-    std::size_t used_ = 0, room_ = 0;  ///< bytes
-
-  private:
-    static void free(void* data) noexcept {
-        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) ::operator delete (data, std::align_val_t{alignment});
-        else ::operator delete(data);
-    }
-};
-
-}  // namespace detail
-
-/// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
-/// erase() takes the last elements only, and that insert() takes none of the array's own.
-template <class T>
-class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))> {
-    static_assert(std::is_trivially_copyable_v<T>, "elements are copied as bytes");
-    using Memory = detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_ALIGNMENT__ ? 1 : alignof(T))>;
-    using Memory::append, Memory::data_, Memory::make_room, Memory::put_in, Memory::room_, Memory::used_;
-
-  public:
-    /// The type of the elements.
-    using value_type = T;  // NOLINT(readability-identifier-naming): std's name
-
-    /// No elements.
-    Array() noexcept = default;
-    /// n elements T().
-    explicit Array(std::size_t n) { resize(n); }
-    /// n times a value.
-    Array(std::size_t n, const T& value) { resize(n, value); }
-    /// These values.
-    Array(std::initializer_list<T> values) { append(values.begin(), values.size() * sizeof(T)); }
-    /// Copies of [first, last).
-    Array(const T* first, const T* last) { assign(first, last); }
-    /// The elements of a vector.
-    Array(const std::vector<T>& values)  // NOLINT(google-explicit-constructor)
-        : Array(values.data(), values.data() + values.size()) {}
-    /// A vector of the elements.
-    operator std::vector<T>() const { return std::vector<T>(begin(), end()); }  // NOLINT(google-explicit-constructor)
-
-    [[nodiscard]] std::size_t size() const noexcept { return used_ / sizeof(T); }               ///< number of elements
-    [[nodiscard]] bool empty() const noexcept { return used_ == 0; }                            ///< whether there are none
-    [[nodiscard]] T* data() noexcept { return reinterpret_cast<T*>(data_); }                    ///< the first element
-    [[nodiscard]] const T* data() const noexcept { return reinterpret_cast<const T*>(data_); }  ///< the first element
-    [[nodiscard]] T* begin() noexcept { return data(); }                                        ///< the first element
-    [[nodiscard]] const T* begin() const noexcept { return data(); }                            ///< the first element
-    [[nodiscard]] T* end() noexcept { return reinterpret_cast<T*>(data_ + used_); }             ///< behind the last element
-    /// Behind the last element.
-    [[nodiscard]] const T* end() const noexcept { return reinterpret_cast<const T*>(data_ + used_); }
-    /// Element i < size(), which is checked where std::vector's are.
-    [[nodiscard]] T& operator[](std::size_t i) noexcept {
-#if defined(_GLIBCXX_ASSERTIONS)
-        HMESH_ASSERT(i < size());
-#endif
-        return data()[i];
-    }
-    /// Element i < size(), likewise.
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept {
-#if defined(_GLIBCXX_ASSERTIONS)
-        HMESH_ASSERT(i < size());
-#endif
-        return data()[i];
-    }
-    [[nodiscard]] T& front() noexcept { return (*this)[0]; }                      ///< the first element
-    [[nodiscard]] const T& front() const noexcept { return (*this)[0]; }          ///< the first element
-    [[nodiscard]] T& back() noexcept { return (*this)[size() - 1]; }              ///< the last element
-    [[nodiscard]] const T& back() const noexcept { return (*this)[size() - 1]; }  ///< the last element
-
-    /// Adds an element.
-    void push_back(const T& value) {
-        if (used_ + sizeof(T) <= room_) {
-            new (data_ + used_) T(value);
-            used_ += sizeof(T);
-            return;
-        }
-        const T copy = value;  // which may be one of the elements
-        append(&copy, sizeof(T));
-    }
-    /// Adds an element made of these parts.
-    template <class... Parts>
-    void emplace_back(const Parts&... parts) {
-        push_back(T(parts...));
-    }
-    void pop_back() noexcept { used_ -= sizeof(T); }           ///< drops the last element
-    void reserve(std::size_t n) { make_room(n * sizeof(T)); }  ///< makes room for n elements
-    /// n elements; new ones are T().
-    void resize(std::size_t n) {
-        reserve(n);
-        for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
-        used_ = n * sizeof(T);
-    }
-    /// n elements; new ones have this value.
-    void resize(std::size_t n, const T& value) {
-        reserve(n);
-        for (std::size_t i = size(); i < n; ++i) new (data() + i) T(value);
-        used_ = n * sizeof(T);
-    }
-    /// n times a value, which is none of the elements.
-    void assign(std::size_t n, const T& value) {
-        used_ = 0;
-        resize(n, value);
-    }
-    /// Copies of [first, last).
-    void assign(const T* first, const T* last) {
-        used_ = 0;
-        append(first, static_cast<std::size_t>(last - first) * sizeof(T));
-    }
-    /// Copies of [first, last) before a place.
-    void insert(const T* place, const T* first, const T* last) {
-        put_in(static_cast<std::size_t>(place - begin()) * sizeof(T), first, static_cast<std::size_t>(last - first) * sizeof(T));
-    }
-    /// A value before a place.
-    void insert(const T* place, const T& value) { insert(place, &value, &value + 1); }
-    /// Drops the elements from `first` to the last one.
-    void erase(const T* first, [[maybe_unused]] const T* last) noexcept {
-        HMESH_ASSERT(last == end());
-        used_ = static_cast<std::size_t>(first - begin()) * sizeof(T);
-    }
-    void clear() noexcept { used_ = 0; }                       ///< drops all elements; memory is kept
-    void swap(Array& other) noexcept { Memory::swap(other); }  ///< exchanges the elements
-
-    /// The same elements.
-    [[nodiscard]] friend bool operator==(const Array& a, const Array& b) {
-        return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin());
-    }
-    /// Other elements.
-    [[nodiscard]] friend bool operator!=(const Array& a, const Array& b) { return !(a == b); }
-};
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_CORE_ARRAY_HPP
 
 // ---- hmesh/core/function_ref.hpp
 
@@ -1511,7 +1518,6 @@ namespace detail {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace hmesh::detail {
 
@@ -1607,7 +1613,7 @@ class ExportMesh {
     void spread_gray() {
         colors_.reserve(4 * view_.vertex_count);
         for (std::size_t v = 0; v < view_.vertex_count; ++v) {
-            colors_.insert(colors_.end(), 3, view_.colors[2 * v]);
+            for (int k = 0; k < 3; ++k) colors_.push_back(view_.colors[2 * v]);
             colors_.push_back(view_.colors[2 * v + 1]);
         }
         view_.colors = colors_.data();
@@ -1617,7 +1623,7 @@ class ExportMesh {
     void divide_by_alpha(bool is_held) {
         if (colors_.empty()) colors_.assign(view_.colors, view_.colors + 4 * view_.vertex_count);
         const auto value = [&](std::size_t v, std::size_t k) { return static_cast<double>(colors_[4 * v + k]); };
-        std::vector<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
+        kit::Array<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
         for (std::size_t f = 0; f < view_.face_count; ++f)
             for (const std::uint32_t v : view_.faces[f]) {
                 if (value(v, 3) > 0) continue;
@@ -1643,7 +1649,7 @@ class ExportMesh {
     }
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
-    void add_up_copies(std::vector<double>& sums) const {
+    void add_up_copies(kit::Array<double>& sums) const {
         const kit::Array<std::uint32_t> roots =
             kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
@@ -1653,7 +1659,7 @@ class ExportMesh {
     }
 
     MeshView view_;
-    std::vector<float> colors_;  // 4 a vertex, or none
+    kit::Array<float> colors_;  // 4 a vertex, or none
 };
 
 }  // namespace hmesh::detail
@@ -1679,7 +1685,6 @@ class ExportMesh {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace hmesh::detail {
 
@@ -1694,22 +1699,22 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
 
 /// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
 /// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
-[[nodiscard]] inline std::vector<Triangle> face_neighbors(const MeshView& mesh) {
+[[nodiscard]] inline kit::Array<Triangle> face_neighbors(const MeshView& mesh) {
     struct Side {
         std::uint32_t high, corner;  // the larger end; 3 * face + k
     };
     // Sorted by the smaller end by counting, then the few that share it.
-    std::vector<std::size_t> first(mesh.vertex_count + 1, 0);
+    kit::Array<std::size_t> first(mesh.vertex_count + 1, 0);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k) ++first[std::min(mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]) + std::size_t{1}];
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) first[v + 1] += first[v];
-    std::vector<Side> sides(3 * mesh.face_count);
+    kit::Array<Side> sides(3 * mesh.face_count);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [low, high] = std::minmax({mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]});
             sides[first[low]++] = {high, static_cast<std::uint32_t>(3 * f + k)};
         }
-    std::vector<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
+    kit::Array<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
     for (std::size_t v = 0, i = 0; v < mesh.vertex_count; ++v) {
         const std::size_t end = first[v];
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end),
@@ -1737,10 +1742,10 @@ class StripWalk {
     }
 
     /// Every face once, in strips. To be called once.
-    [[nodiscard]] std::vector<StripVertex> run() {
-        std::vector<StripVertex> out;
+    [[nodiscard]] kit::Array<StripVertex> run() {
+        kit::Array<StripVertex> out;
         out.reserve(mesh_.face_count + mesh_.face_count / 8 + 3);
-        std::vector<std::uint32_t> path;
+        kit::Array<std::uint32_t> path;
         for (std::uint32_t start = next_start(); start != no_face; start = next_start()) {
             path.clear();
             walk_from(start, path);
@@ -1777,7 +1782,7 @@ class StripWalk {
             if (g != no_face && left_[g] != taken && (best == no_face || left_[g] < left_[best])) best = g;
         return best;
     }
-    void walk_from(std::uint32_t f, std::vector<std::uint32_t>& path) {
+    void walk_from(std::uint32_t f, kit::Array<std::uint32_t>& path) {
         for (; f != no_face; f = way_on(f)) {
             take(f);
             path.push_back(f);
@@ -1791,7 +1796,7 @@ class StripWalk {
             if (across_[f][k] == g) return {face[k], face[(k + 1) % 3], face[(k + 2) % 3]};
         return face;
     }
-    void append(const std::vector<std::uint32_t>& path, std::vector<StripVertex>& out) const {
+    void append(const kit::Array<std::uint32_t>& path, kit::Array<StripVertex>& out) const {
         std::uint32_t a = 0, b = 0, c = 0;
         const auto same = [](std::uint32_t u, std::uint32_t v, const Triangle& side) {
             return (u == side[0] && v == side[1]) || (u == side[1] && v == side[0]);
@@ -1818,15 +1823,15 @@ class StripWalk {
     }
 
     const MeshView mesh_;
-    const std::vector<Triangle> across_;
-    std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
-    std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
+    const kit::Array<Triangle> across_;
+    kit::Array<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
+    std::array<kit::Array<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
 /// Every face of a mesh that check() accepts once: in strips or, without, each by itself in the mesh's order.
-[[nodiscard]] inline std::vector<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
+[[nodiscard]] inline kit::Array<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
     if (strips) return StripWalk(mesh).run();
-    std::vector<StripVertex> out;
+    kit::Array<StripVertex> out;
     out.reserve(3 * mesh.face_count);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (const std::uint32_t v : mesh.faces[f]) out.push_back({v, 0});
@@ -2131,9 +2136,9 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 
 /// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to
 /// [0, 1]. View and layout come by value, since a byte that is written might be any other object's: a fifth of the time.
-[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const std::vector<StripVertex>& vertices,
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const kit::Array<StripVertex>& vertices,
                                                               ShadingLayout layout, int components,
-                                                              const std::vector<double>& shares) {
+                                                              const kit::Array<double>& shares) {
     std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
     unsigned char* to = out.data();
     const auto put = [&to](double number, int bytes) {
@@ -2314,7 +2319,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
         if (channels != 4) return color;
         return mesh.premultiplied ? 1 - share(v, 3) + color : 1 - share(v, 3) * (1 - color);
     };
-    std::vector<double> shares;
+    kit::Array<double> shares;
     shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));
@@ -2638,9 +2643,9 @@ struct GlbAttribute {
 
 /// Faces that are drawn with one material.
 struct GlbPrimitive {
-    std::vector<GlbAttribute> attributes;  ///< all of one length
-    std::uint32_t indices = 0,             ///< which of the file's arrays
-        material = 0;                      ///< which of the file's materials
+    kit::Array<GlbAttribute> attributes;  ///< all of one length
+    std::uint32_t indices = 0,            ///< which of the file's arrays
+        material = 0;                     ///< which of the file's materials
 };
 
 /// A node of the scene, which places a mesh in the plane.
@@ -2659,13 +2664,13 @@ struct GlbMaterial {
 
 /// All of a file but the numbers of its arrays.
 struct GlbFile {
-    std::vector<GlbNode> nodes;                     ///< of the scene
+    kit::Array<GlbNode> nodes;                      ///< of the scene
     std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
-    std::vector<GlbMaterial> materials;             ///< at least one
-    std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    kit::Array<GlbMaterial> materials;              ///< at least one
+    kit::Array<GlbArray> arrays;                    ///< in the order of the buffer
     /// Of each node, where they are levels of detail of one thing, the finest first (MSFT_lod): down to which share of the
     /// screen, in [0, 1], it is drawn. Else empty: all nodes are drawn.
-    std::vector<double> coverages{};
+    kit::Array<double> coverages{};
     /// Of each array, where they are compressed; else empty.
     std::vector<std::vector<unsigned char>> compressed{};
     bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
@@ -2805,7 +2810,7 @@ HMESH_COLD inline void write_glb_levels(GlbJson& json, const GlbFile& file) {
 
 /// Writes materials, and the textures that they show: with linear filters, without mipmaps, clamped to the edge.
 HMESH_COLD inline void write_glb_materials(GlbJson& json, const GlbFile& file) {
-    std::vector<const char*> textures;
+    kit::Array<const char*> textures;
     json.list("materials", file.materials.size(), [&](std::size_t i) {
         const GlbMaterial& material = file.materials[i];
         json.put("{\"pbrMetallicRoughness\":{");
@@ -3028,7 +3033,6 @@ HMESH_COLD inline Status write_empty_glb(Sink sink) {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
 namespace hmesh {
 
@@ -3150,7 +3154,7 @@ struct GlbContent {
 /// All that write_glb() writes of a mesh.
 struct GlbMesh {
     GlbFile file;
-    std::vector<GlbContent> contents;  ///< of each array
+    kit::Array<GlbContent> contents;  ///< of each array
     GlbGrid grid;
 
     /// Appends an array and returns its number.
@@ -4516,8 +4520,8 @@ inline constexpr int choices = 4;
 
 /// Faces that are stored with their colours divided by a factor.
 struct ShadingPart {
-    int factor = 1;                     ///< one of color_factors
-    std::vector<StripVertex> vertices;  ///< in strips
+    int factor = 1;                    ///< one of color_factors
+    kit::Array<StripVertex> vertices;  ///< in strips
 };
 
 /// Into how many pieces poppler cuts a face whose corners differ by `range` of full intensity, stored divided by `factor`.
@@ -4535,7 +4539,7 @@ class ShadingDivision {
   public:
     /// Of a mesh that check() accepts. Component k of vertex v is shares[components * v + k], a share of full intensity. All
     /// must outlive this object.
-    ShadingDivision(const MeshView& mesh, int components, const std::vector<double>& shares) noexcept
+    ShadingDivision(const MeshView& mesh, int components, const kit::Array<double>& shares) noexcept
         : mesh_(mesh), components_(static_cast<std::size_t>(components)), shares_(shares) {}
 
     /// The parts, none of them empty, in the order in which they are drawn; their faces are the mesh's, each once. To be called
@@ -4547,7 +4551,7 @@ class ShadingDivision {
             return parts;
         }
         choose();
-        std::vector<Triangle> faces;
+        kit::Array<Triangle> faces;
         for (std::size_t w = 0; w < ways; ++w) {
             faces.clear();
             for (std::size_t f = 0; f < mesh_.face_count; ++f)
@@ -4588,7 +4592,7 @@ class ShadingDivision {
     // Which factors faces get: first the largest that makes pieces enough, then, a few times over, the one for which pieces and
     // neighbours of another factor cost least (iterated conditional modes; Besag 1986).
     void choose() {
-        const std::vector<Triangle> across = face_neighbors(mesh_);
+        const kit::Array<Triangle> across = face_neighbors(mesh_);
         chosen_.assign(mesh_.face_count, static_cast<std::uint8_t>(ways - 1));
         for (int sweep = 0; sweep <= choices; ++sweep)
             for (std::size_t f = 0; f < mesh_.face_count; ++f) {
@@ -4609,8 +4613,8 @@ class ShadingDivision {
 
     const MeshView& mesh_;
     const std::size_t components_;
-    const std::vector<double>& shares_;
-    std::vector<std::uint8_t> chosen_;  // of each face, an index of color_factors
+    const kit::Array<double>& shares_;
+    kit::Array<std::uint8_t> chosen_;  // of each face, an index of color_factors
 };
 
 }  // namespace hmesh::detail
@@ -4716,7 +4720,7 @@ struct PdfShading {
 /// Makes the shadings that draw the mesh one after another. Component k of vertex v is shares[components * v + k].
 /// Errc::write_failed where the compressor fails.
 [[nodiscard]] inline Status make_shadings(const MeshView& mesh, const ShadingLayout& layout, int components,
-                                          const std::vector<double>& shares, const PageOptions& options,
+                                          const kit::Array<double>& shares, const PageOptions& options,
                                           std::vector<PdfShading>& shadings) {
     std::vector<ShadingPart> parts;
     if (options.strips && options.parts) parts = ShadingDivision(mesh, components, shares).run();
@@ -4769,7 +4773,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
 
     std::vector<detail::PdfShading> colors, alpha;
     const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
-        std::vector<double> shares;
+        kit::Array<double> shares;
         shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v)
             for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
@@ -5265,7 +5269,6 @@ struct FaceGradient {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh {
 
@@ -5477,7 +5480,7 @@ class SvgPage {
     }
     // Every edge once, in strokes as long as vertices of rising numbers lead.
     void wireframe() {
-        std::vector<std::array<std::uint32_t, 2>> edges;
+        kit::Array<std::array<std::uint32_t, 2>> edges;
         edges.reserve(3 * mesh_.face_count);
         for (std::size_t f = 0; f < mesh_.face_count; ++f)
             for (std::size_t k = 0; k < 3; ++k) {
@@ -5486,10 +5489,10 @@ class SvgPage {
             }
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-        std::vector<std::size_t> next(mesh_.vertex_count + 1);  // the first edge of each vertex that is still to draw
+        kit::Array<std::size_t> next(mesh_.vertex_count + 1);  // the first edge of each vertex that is still to draw
         for (const auto& edge : edges) ++next[edge[0] + std::size_t{1}];
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v) next[v + 1] += next[v];
-        const std::vector<std::size_t> begins = next;
+        const kit::Array<std::size_t> begins = next;
 
         writer_.text(
             "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
@@ -7278,7 +7281,6 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <memory>
 
 namespace hmesh::kit {
 
@@ -7291,6 +7293,9 @@ class MomentTable {
 
     /// No table; to be assigned to.
     MomentTable() = default;
+    /// Moved and not copied, being large.
+    MomentTable(MomentTable&&) noexcept = default;
+    MomentTable& operator=(MomentTable&&) noexcept = default;  ///< the same
 
     /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Bands of rows are
     /// independent pieces of work for the executor.
@@ -7331,21 +7336,21 @@ class MomentTable {
           int32_(!weighted_ && fits_32_bits(rect.width, kind.largest)) {
         HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
+        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that there is a std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: what is ever read is written first.
         size_ = size;
-        if (int32_) int32_entries_.reset(new std::int32_t[size]);
-        else float64_entries_.reset(new double[size]);
+        if (int32_) int32_entries_.resize_raw(size);
+        else float64_entries_.resize_raw(size);
         if (weighted_) {
-            x_moment_entries_.reset(new double[size / lanes]);
-            samples_.reset(new float[sample_count()]);
+            x_moment_entries_.resize_raw(size / lanes);
+            samples_.resize_raw(sample_count());
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
-            if (int32_) fill(rect, pixels, begin, end, int32_entries_.get());
-            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.get());
+            if (int32_) fill(rect, pixels, begin, end, int32_entries_.data());
+            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.data());
             else fill_weighted(rect, pixels, weights, begin, end);
         });
     }
@@ -7388,7 +7393,7 @@ class MomentTable {
     /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
         if (weighted_) {
-            const float* samples = samples_.get() + sample_offset(x, y);
+            const float* samples = samples_.data() + sample_offset(x, y);
             for (int c = 0; c < lanes; ++c) out.set(c, c < C ? static_cast<double>(samples[c]) : 0.0);
             return;
         }
@@ -7398,8 +7403,8 @@ class MomentTable {
                                                        entries[offset(x, y) + static_cast<std::size_t>(c)])
                                  : 0.0);
         };
-        if (int32_) sample(int32_entries_.get());
-        else sample(float64_entries_.get());
+        if (int32_) sample(int32_entries_.data());
+        else sample(float64_entries_.data());
     }
 
     /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
@@ -7410,8 +7415,8 @@ class MomentTable {
     /// The entries, of type N: std::int32_t if is_int32(), else double.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
-        if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.get();
-        else return float64_entries_.get();
+        if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.data();
+        else return float64_entries_.data();
     }
     /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
@@ -7422,7 +7427,7 @@ class MomentTable {
     }
     /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
-        return x_moment_entries_.get() + offset / lanes;
+        return x_moment_entries_.data() + offset / lanes;
     }
 
   private:
@@ -7463,7 +7468,7 @@ class MomentTable {
     }
 
     template <class N>
-    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) const {
+    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) {
         N sums[band][numbers] = {};
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             N sum[numbers];  // of its own, which no entry can be
@@ -7487,16 +7492,16 @@ class MomentTable {
         });
     }
 
-    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) const {
+    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
         double sums[band][numbers] = {}, powers[band][2] = {};
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             double *const sum = sums[y - begin], *const power = powers[y - begin];
             double weight[chunk];
             weights(rect.x + x0, rect.y + y, count, weight);
-            float* samples = samples_.get() + sample_offset(x0, y);
+            float* samples = samples_.data() + sample_offset(x0, y);
             for (int x = x0;; ++x, pixel += C, samples += C) {
-                double* const entry = float64_entries_.get() + offset(x, y);
-                double* const entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
+                double* const entry = float64_entries_.data() + offset(x, y);
+                double* const entry_powers = x_moment_entries_.data() + offset(x, y) / lanes;
                 for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
                 for (int k = 0; k < 2; ++k) entry_powers[k] = power[k];
                 if (x == x0 + count) break;
@@ -7523,11 +7528,11 @@ class MomentTable {
     bool has_far_sides_ = false;
     std::size_t strip_size_ = 0;
     std::size_t size_ = 0;
-    std::unique_ptr<std::int32_t[]> int32_entries_;
-    std::unique_ptr<double[]> float64_entries_;
-    std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
+    Array<std::int32_t> int32_entries_;
+    Array<double> float64_entries_;
+    Array<double> x_moment_entries_;  ///< of weighted tables: w i, w i^2
     FarSides far_sides_;
-    std::unique_ptr<float[]> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
+    Array<float> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit
@@ -12856,7 +12861,7 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -12909,8 +12914,7 @@ class TiledMesh {
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
         if (!is_cut()) return indexed_.distinct_count();
         std::size_t count = cut_.locked_count - indexed_.copy_count;
-        for (std::size_t k = 0; k < patches_.size(); ++k)
-            count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
+        for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
     /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
@@ -12935,7 +12939,7 @@ class TiledMesh {
         if (!is_cut()) return indexed_.energy;
         detail::EnergySum sum;
         for (std::size_t k = 0; k < patches_.size(); ++k)
-            if (patches_[k] != nullptr) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
+            if (patches_[k]) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
             else if (cut_.first[k] < cut_.first[k + 1]) sum.leave_out();
         return sum.energy(indexed_.energy);
     }
@@ -12992,6 +12996,8 @@ class TiledMesh {
     }
 
   private:
+    using Patches = std::vector<std::optional<Patch<C>>>;
+
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
@@ -13037,10 +13043,9 @@ class TiledMesh {
         const bool stays = whole != nullptr || is_small();
         std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
-            std::unique_ptr<Patch<C>>& patch = patches_[tile];
-            if (patch == nullptr)
-                patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole,
-                                                   sizes.size() == 1 ? parallel_for_ : ParallelFor());
+            std::optional<Patch<C>>& patch = patches_[tile];
+            if (!patch)
+                patch.emplace(indexed_, *source_, cut_, tile, limits_, whole, sizes.size() == 1 ? parallel_for_ : ParallelFor());
             {
                 const TaskGuard guard(patch->mesh(), task);
                 patch->set_mean_energy(mean);
@@ -13063,7 +13068,7 @@ class TiledMesh {
         recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
-        patches_.resize(tiling.size());
+        Patches(tiling.size()).swap(patches_);  // resize() would move patches
     }
     /// Ends is_cut(): indexed_ becomes what is joined().
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
@@ -13078,7 +13083,7 @@ class TiledMesh {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {
-            if (patches_[k] != nullptr) results[k] = patches_[k]->result();
+            if (patches_[k]) results[k] = patches_[k]->result();
         });
         const detail::Cut& cut = cut_;
         for (std::size_t k = 0; k < results.size(); ++k) {
@@ -13155,8 +13160,8 @@ class TiledMesh {
     FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};
-    detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
-    std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
+    detail::Cut cut_;  ///< of indexed_ along tiling_, where the mesh is held as patches
+    Patches patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
     ImageNotes<C> notes_;
 };
 
@@ -15899,7 +15904,6 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
 namespace hmesh {
 
@@ -15978,17 +15982,17 @@ void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRa
 
 /// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
 struct Bands {
-    std::vector<std::size_t> starts;
-    std::vector<std::uint32_t> faces;
+    kit::Array<std::size_t> starts;
+    kit::Array<std::uint32_t> faces;
 };
 
 /// The faces of each band of a picture of `height` rows, by their positions `at` in the picture.
-[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
+[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const kit::Array<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
     picture.last = height;
     picture.sides.bottom = kit::far_sides(1, height, mesh.samples).bottom;
-    std::vector<RowRange> touched(mesh.face_count);  // in bands
+    kit::Array<RowRange> touched(mesh.face_count);  // in bands
     kit::for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[f];
@@ -16004,7 +16008,7 @@ struct Bands {
         for (int b = t.first; b < t.last; ++b) ++bands.starts[static_cast<std::size_t>(b) + 1];
     for (std::size_t b = 0; b < count; ++b) bands.starts[b + 1] += bands.starts[b];
     bands.faces.resize(bands.starts[count]);
-    std::vector<std::size_t> next(bands.starts.begin(), bands.starts.end() - 1);
+    kit::Array<std::size_t> next(bands.starts.begin(), bands.starts.end() - 1);
     for (std::size_t f = 0; f < touched.size(); ++f)
         for (int b = touched[f].first; b < touched[f].last; ++b)
             bands.faces[next[static_cast<std::size_t>(b)]++] = static_cast<std::uint32_t>(f);
@@ -16046,9 +16050,9 @@ template <int C>
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
 /// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
-[[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
+[[nodiscard]] inline kit::Array<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    std::vector<float> out(channels * mesh.vertex_count);
+    kit::Array<float> out(channels * mesh.vertex_count);
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = channels * begin; i < channels * end; ++i) {
             const double share = std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[i]) / mesh.peak));
@@ -16099,7 +16103,7 @@ template <int C>
     const double to_right = extent(width, mesh.samples), to_bottom = extent(height, mesh.samples);
     const double shift = kit::inset(mesh.samples);
     const kit::FarSides sides = kit::far_sides(width, height, mesh.samples);
-    std::vector<kit::Point> at(mesh.vertex_count);
+    kit::Array<kit::Point> at(mesh.vertex_count);
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
             at[v] = {static_cast<double>(mesh.positions[2 * v]) * to_right / from_right + shift,
@@ -16113,7 +16117,7 @@ template <int C>
         }
 
     const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
-    std::vector<float> light;
+    kit::Array<float> light;
     if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
     const float* const colors = is_linear ? light.data() : mesh.colors;
     result.image = Image<float, C>(width, height);

@@ -17,8 +17,8 @@
 #include <limits>
 #include <optional>
 #include <utility>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -109,17 +109,17 @@ void draw_face(const Corner<C>& a, const Corner<C>& b, const Corner<C>& c, RowRa
 
 /// Which faces touch which band of rows: those of band b are faces[starts[b]] .. faces[starts[b + 1] - 1], in order.
 struct Bands {
-    std::vector<std::size_t> starts;
-    std::vector<std::uint32_t> faces;
+    kit::Array<std::size_t> starts;
+    kit::Array<std::uint32_t> faces;
 };
 
 /// The faces of each band of a picture of `height` rows, by their positions `at` in the picture.
-[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const std::vector<kit::Point>& at, int height,
+[[nodiscard]] inline Bands sort_into_bands(const MeshView& mesh, const kit::Array<kit::Point>& at, int height,
                                            const ParallelFor& parallel_for) {
     kit::ClipRect picture;
     picture.last = height;
     picture.sides.bottom = kit::far_sides(1, height, mesh.samples).bottom;
-    std::vector<RowRange> touched(mesh.face_count);  // in bands
+    kit::Array<RowRange> touched(mesh.face_count);  // in bands
     kit::for_each_chunk(parallel_for, mesh.face_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t f = begin; f < end; ++f) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[f];
@@ -135,7 +135,7 @@ struct Bands {
         for (int b = t.first; b < t.last; ++b) ++bands.starts[static_cast<std::size_t>(b) + 1];
     for (std::size_t b = 0; b < count; ++b) bands.starts[b + 1] += bands.starts[b];
     bands.faces.resize(bands.starts[count]);
-    std::vector<std::size_t> next(bands.starts.begin(), bands.starts.end() - 1);
+    kit::Array<std::size_t> next(bands.starts.begin(), bands.starts.end() - 1);
     for (std::size_t f = 0; f < touched.size(); ++f)
         for (int b = touched[f].first; b < touched[f].last; ++b)
             bands.faces[next[static_cast<std::size_t>(b)]++] = static_cast<std::uint32_t>(f);
@@ -177,9 +177,9 @@ template <int C>
     return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
 }
 /// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
-[[nodiscard]] inline std::vector<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
+[[nodiscard]] inline kit::Array<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    std::vector<float> out(channels * mesh.vertex_count);
+    kit::Array<float> out(channels * mesh.vertex_count);
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = channels * begin; i < channels * end; ++i) {
             const double share = std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[i]) / mesh.peak));
@@ -230,7 +230,7 @@ template <int C>
     const double to_right = extent(width, mesh.samples), to_bottom = extent(height, mesh.samples);
     const double shift = kit::inset(mesh.samples);
     const kit::FarSides sides = kit::far_sides(width, height, mesh.samples);
-    std::vector<kit::Point> at(mesh.vertex_count);
+    kit::Array<kit::Point> at(mesh.vertex_count);
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t v = begin; v < end; ++v)
             at[v] = {static_cast<double>(mesh.positions[2 * v]) * to_right / from_right + shift,
@@ -244,7 +244,7 @@ template <int C>
         }
 
     const detail::Bands bands = detail::sort_into_bands(mesh, at, height, parallel_for);
-    std::vector<float> light;
+    kit::Array<float> light;
     if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
     const float* const colors = is_linear ? light.data() : mesh.colors;
     result.image = Image<float, C>(width, height);

@@ -156,6 +156,11 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
         for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
         used_ = n * sizeof(T);
     }
+    /// n elements; new ones are not initialised: to be written before they are read.
+    void resize_raw(std::size_t n) {
+        reserve(n);
+        used_ = n * sizeof(T);
+    }
     /// n elements; new ones have this value.
     void resize(std::size_t n, const T& value) {
         reserve(n);

@@ -28,8 +28,8 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
-#include <memory>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
@@ -51,6 +51,9 @@ class MomentTable {
 
     /// No table; to be assigned to.
     MomentTable() = default;
+    /// Moved and not copied, being large.
+    MomentTable(MomentTable&&) noexcept = default;
+    MomentTable& operator=(MomentTable&&) noexcept = default;  ///< the same
 
     /// The table of `rect`, which must lie in a view that check() accepts; all pixels count the same. Bands of rows are
     /// independent pieces of work for the executor.
@@ -91,21 +94,21 @@ class MomentTable {
           int32_(!weighted_ && fits_32_bits(rect.width, kind.largest)) {
         HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
         strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
-        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that new[] throws std::bad_alloc.
+        // Sizes beyond PTRDIFF_MAX become the largest allocation, so that there is a std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
         // Not initialised: what is ever read is written first.
         size_ = size;
-        if (int32_) int32_entries_.reset(new std::int32_t[size]);
-        else float64_entries_.reset(new double[size]);
+        if (int32_) int32_entries_.resize_raw(size);
+        else float64_entries_.resize_raw(size);
         if (weighted_) {
-            x_moment_entries_.reset(new double[size / lanes]);
-            samples_.reset(new float[sample_count()]);
+            x_moment_entries_.resize_raw(size / lanes);
+            samples_.resize_raw(sample_count());
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
-            if (int32_) fill(rect, pixels, begin, end, int32_entries_.get());
-            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.get());
+            if (int32_) fill(rect, pixels, begin, end, int32_entries_.data());
+            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.data());
             else fill_weighted(rect, pixels, weights, begin, end);
         });
     }
@@ -148,7 +151,7 @@ class MomentTable {
     /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
     void pixel(int x, int y, Lanes<lanes>& out) const noexcept {
         if (weighted_) {
-            const float* samples = samples_.get() + sample_offset(x, y);
+            const float* samples = samples_.data() + sample_offset(x, y);
             for (int c = 0; c < lanes; ++c) out.set(c, c < C ? static_cast<double>(samples[c]) : 0.0);
             return;
         }
@@ -158,8 +161,8 @@ class MomentTable {
                                                        entries[offset(x, y) + static_cast<std::size_t>(c)])
                                  : 0.0);
         };
-        if (int32_) sample(int32_entries_.get());
-        else sample(float64_entries_.get());
+        if (int32_) sample(int32_entries_.data());
+        else sample(float64_entries_.data());
     }
 
     /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
@@ -170,8 +173,8 @@ class MomentTable {
     /// The entries, of type N: std::int32_t if is_int32(), else double.
     template <class N>
     [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
-        if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.get();
-        else return float64_entries_.get();
+        if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.data();
+        else return float64_entries_.data();
     }
     /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
@@ -182,7 +185,7 @@ class MomentTable {
     }
     /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
-        return x_moment_entries_.get() + offset / lanes;
+        return x_moment_entries_.data() + offset / lanes;
     }
 
   private:
@@ -223,7 +226,7 @@ class MomentTable {
     }
 
     template <class N>
-    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) const {
+    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) {
         N sums[band][numbers] = {};
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             N sum[numbers];  // of its own, which no entry can be
@@ -247,16 +250,16 @@ class MomentTable {
         });
     }
 
-    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) const {
+    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
         double sums[band][numbers] = {}, powers[band][2] = {};
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             double *const sum = sums[y - begin], *const power = powers[y - begin];
             double weight[chunk];
             weights(rect.x + x0, rect.y + y, count, weight);
-            float* samples = samples_.get() + sample_offset(x0, y);
+            float* samples = samples_.data() + sample_offset(x0, y);
             for (int x = x0;; ++x, pixel += C, samples += C) {
-                double* const entry = float64_entries_.get() + offset(x, y);
-                double* const entry_powers = x_moment_entries_.get() + offset(x, y) / lanes;
+                double* const entry = float64_entries_.data() + offset(x, y);
+                double* const entry_powers = x_moment_entries_.data() + offset(x, y) / lanes;
                 for (int k = 0; k < entry_size; ++k) entry[k] = sum[k];
                 for (int k = 0; k < 2; ++k) entry_powers[k] = power[k];
                 if (x == x0 + count) break;
@@ -283,11 +286,11 @@ class MomentTable {
     bool has_far_sides_ = false;
     std::size_t strip_size_ = 0;
     std::size_t size_ = 0;
-    std::unique_ptr<std::int32_t[]> int32_entries_;
-    std::unique_ptr<double[]> float64_entries_;
-    std::unique_ptr<double[]> x_moment_entries_;  ///< of weighted tables: w i, w i^2
+    Array<std::int32_t> int32_entries_;
+    Array<double> float64_entries_;
+    Array<double> x_moment_entries_;  ///< of weighted tables: w i, w i^2
     FarSides far_sides_;
-    std::unique_ptr<float[]> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
+    Array<float> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row
 };
 
 }  // namespace hmesh::kit

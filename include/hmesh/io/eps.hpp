@@ -16,6 +16,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
@@ -84,7 +85,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
         if (channels != 4) return color;
         return mesh.premultiplied ? 1 - share(v, 3) + color : 1 - share(v, 3) * (1 - color);
     };
-    std::vector<double> shares;
+    kit::Array<double> shares;
     shares.reserve(static_cast<std::size_t>(components) * mesh.vertex_count);
     for (std::size_t v = 0; v < mesh.vertex_count; ++v)
         for (std::size_t k = 0; k < static_cast<std::size_t>(components); ++k) shares.push_back(on_paper(v, k));

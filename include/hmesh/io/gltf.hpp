@@ -28,8 +28,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -163,7 +163,7 @@ struct GlbContent {
 /// All that write_glb() writes of a mesh.
 struct GlbMesh {
     GlbFile file;
-    std::vector<GlbContent> contents;  ///< of each array
+    kit::Array<GlbContent> contents;  ///< of each array
     GlbGrid grid;
 
     /// Appends an array and returns its number.

@@ -20,6 +20,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
@@ -109,7 +110,7 @@ struct PdfShading {
 /// Makes the shadings that draw the mesh one after another. Component k of vertex v is shares[components * v + k].
 /// Errc::write_failed where the compressor fails.
 [[nodiscard]] inline Status make_shadings(const MeshView& mesh, const ShadingLayout& layout, int components,
-                                          const std::vector<double>& shares, const PageOptions& options,
+                                          const kit::Array<double>& shares, const PageOptions& options,
                                           std::vector<PdfShading>& shadings) {
     std::vector<ShadingPart> parts;
     if (options.strips && options.parts) parts = ShadingDivision(mesh, components, shares).run();
@@ -162,7 +163,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
 
     std::vector<detail::PdfShading> colors, alpha;
     const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
-        std::vector<double> shares;
+        kit::Array<double> shares;
         shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
         for (std::size_t v = 0; v < mesh.vertex_count; ++v)
             for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)

@@ -20,8 +20,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
@@ -242,7 +242,7 @@ class SvgPage {
     }
     // Every edge once, in strokes as long as vertices of rising numbers lead.
     void wireframe() {
-        std::vector<std::array<std::uint32_t, 2>> edges;
+        kit::Array<std::array<std::uint32_t, 2>> edges;
         edges.reserve(3 * mesh_.face_count);
         for (std::size_t f = 0; f < mesh_.face_count; ++f)
             for (std::size_t k = 0; k < 3; ++k) {
@@ -251,10 +251,10 @@ class SvgPage {
             }
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-        std::vector<std::size_t> next(mesh_.vertex_count + 1);  // the first edge of each vertex that is still to draw
+        kit::Array<std::size_t> next(mesh_.vertex_count + 1);  // the first edge of each vertex that is still to draw
         for (const auto& edge : edges) ++next[edge[0] + std::size_t{1}];
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v) next[v + 1] += next[v];
-        const std::vector<std::size_t> begins = next;
+        const kit::Array<std::size_t> begins = next;
 
         writer_.text(
             "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "

@@ -12,7 +12,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -78,8 +78,7 @@ class TiledMesh {
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
         if (!is_cut()) return indexed_.distinct_count();
         std::size_t count = cut_.locked_count - indexed_.copy_count;
-        for (std::size_t k = 0; k < patches_.size(); ++k)
-            count += patches_[k] != nullptr ? patches_[k]->free_count() : cut_.free_count[k];
+        for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
     /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
@@ -104,7 +103,7 @@ class TiledMesh {
         if (!is_cut()) return indexed_.energy;
         detail::EnergySum sum;
         for (std::size_t k = 0; k < patches_.size(); ++k)
-            if (patches_[k] != nullptr) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
+            if (patches_[k]) sum.add(patches_[k]->first_energy(), patches_[k]->mesh().energy());
             else if (cut_.first[k] < cut_.first[k + 1]) sum.leave_out();
         return sum.energy(indexed_.energy);
     }
@@ -161,6 +160,8 @@ class TiledMesh {
     }
 
   private:
+    using Patches = std::vector<std::optional<Patch<C>>>;
+
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
@@ -206,10 +207,9 @@ class TiledMesh {
         const bool stays = whole != nullptr || is_small();
         std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
-            std::unique_ptr<Patch<C>>& patch = patches_[tile];
-            if (patch == nullptr)
-                patch = std::make_unique<Patch<C>>(indexed_, *source_, cut_, tile, limits_, whole,
-                                                   sizes.size() == 1 ? parallel_for_ : ParallelFor());
+            std::optional<Patch<C>>& patch = patches_[tile];
+            if (!patch)
+                patch.emplace(indexed_, *source_, cut_, tile, limits_, whole, sizes.size() == 1 ? parallel_for_ : ParallelFor());
             {
                 const TaskGuard guard(patch->mesh(), task);
                 patch->set_mean_energy(mean);
@@ -232,7 +232,7 @@ class TiledMesh {
         recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
-        patches_.resize(tiling.size());
+        Patches(tiling.size()).swap(patches_);  // resize() would move patches
     }
     /// Ends is_cut(): indexed_ becomes what is joined().
     HMESH_COLD void put_together(std::vector<detail::PatchResult<C>> results = {}) {
@@ -247,7 +247,7 @@ class TiledMesh {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {
-            if (patches_[k] != nullptr) results[k] = patches_[k]->result();
+            if (patches_[k]) results[k] = patches_[k]->result();
         });
         const detail::Cut& cut = cut_;
         for (std::size_t k = 0; k < results.size(); ++k) {
@@ -324,8 +324,8 @@ class TiledMesh {
     FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};
-    detail::Cut cut_;                                 ///< of indexed_ along tiling_, where the mesh is held as patches
-    std::vector<std::unique_ptr<Patch<C>>> patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
+    detail::Cut cut_;  ///< of indexed_ along tiling_, where the mesh is held as patches
+    Patches patches_;  ///< of the tiles, in place of indexed_'s faces and free vertices; or none
     ImageNotes<C> notes_;
 };
 

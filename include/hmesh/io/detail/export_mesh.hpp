@@ -16,8 +16,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
@@ -118,7 +118,7 @@ class ExportMesh {
     void spread_gray() {
         colors_.reserve(4 * view_.vertex_count);
         for (std::size_t v = 0; v < view_.vertex_count; ++v) {
-            colors_.insert(colors_.end(), 3, view_.colors[2 * v]);
+            for (int k = 0; k < 3; ++k) colors_.push_back(view_.colors[2 * v]);
             colors_.push_back(view_.colors[2 * v + 1]);
         }
         view_.colors = colors_.data();
@@ -128,7 +128,7 @@ class ExportMesh {
     void divide_by_alpha(bool is_held) {
         if (colors_.empty()) colors_.assign(view_.colors, view_.colors + 4 * view_.vertex_count);
         const auto value = [&](std::size_t v, std::size_t k) { return static_cast<double>(colors_[4 * v + k]); };
-        std::vector<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
+        kit::Array<double> sums;  // of vertices without alpha: what their neighbours have, a neighbour for each face shared
         for (std::size_t f = 0; f < view_.face_count; ++f)
             for (const std::uint32_t v : view_.faces[f]) {
                 if (value(v, 3) > 0) continue;
@@ -154,7 +154,7 @@ class ExportMesh {
     }
 
     // Gives the copies of a vertex on the border the sum of what they have: they are one vertex, and keep one colour.
-    void add_up_copies(std::vector<double>& sums) const {
+    void add_up_copies(kit::Array<double>& sums) const {
         const kit::Array<std::uint32_t> roots =
             kit::tied_vertices(kit::positions_of(view_), {view_.width, view_.height, view_.periodic});
         for (std::size_t v = 0; v < roots.size(); ++v)
@@ -164,7 +164,7 @@ class ExportMesh {
     }
 
     MeshView view_;
-    std::vector<float> colors_;  // 4 a vertex, or none
+    kit::Array<float> colors_;  // 4 a vertex, or none
 };
 
 }  // namespace hmesh::detail

@@ -17,6 +17,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
@@ -94,9 +95,9 @@ struct GlbAttribute {
 
 /// Faces that are drawn with one material.
 struct GlbPrimitive {
-    std::vector<GlbAttribute> attributes;  ///< all of one length
-    std::uint32_t indices = 0,             ///< which of the file's arrays
-        material = 0;                      ///< which of the file's materials
+    kit::Array<GlbAttribute> attributes;  ///< all of one length
+    std::uint32_t indices = 0,            ///< which of the file's arrays
+        material = 0;                     ///< which of the file's materials
 };
 
 /// A node of the scene, which places a mesh in the plane.
@@ -115,13 +116,13 @@ struct GlbMaterial {
 
 /// All of a file but the numbers of its arrays.
 struct GlbFile {
-    std::vector<GlbNode> nodes;                     ///< of the scene
+    kit::Array<GlbNode> nodes;                      ///< of the scene
     std::vector<std::vector<GlbPrimitive>> meshes;  ///< the primitives of each
-    std::vector<GlbMaterial> materials;             ///< at least one
-    std::vector<GlbArray> arrays;                   ///< in the order of the buffer
+    kit::Array<GlbMaterial> materials;              ///< at least one
+    kit::Array<GlbArray> arrays;                    ///< in the order of the buffer
     /// Of each node, where they are levels of detail of one thing, the finest first (MSFT_lod): down to which share of the
     /// screen, in [0, 1], it is drawn. Else empty: all nodes are drawn.
-    std::vector<double> coverages{};
+    kit::Array<double> coverages{};
     /// Of each array, where they are compressed; else empty.
     std::vector<std::vector<unsigned char>> compressed{};
     bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
@@ -261,7 +262,7 @@ HMESH_COLD inline void write_glb_levels(GlbJson& json, const GlbFile& file) {
 
 /// Writes materials, and the textures that they show: with linear filters, without mipmaps, clamped to the edge.
 HMESH_COLD inline void write_glb_materials(GlbJson& json, const GlbFile& file) {
-    std::vector<const char*> textures;
+    kit::Array<const char*> textures;
     json.list("materials", file.materials.size(), [&](std::size_t i) {
         const GlbMaterial& material = file.materials[i];
         json.put("{\"pbrMetallicRoughness\":{");

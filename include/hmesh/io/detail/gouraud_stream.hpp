@@ -18,6 +18,7 @@
 #include <limits>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
@@ -117,9 +118,9 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 
 /// The bytes of the stream. Component k of vertex v as a share of full intensity is shares[components * v + k]; it is held to
 /// [0, 1]. View and layout come by value, since a byte that is written might be any other object's: a fifth of the time.
-[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const std::vector<StripVertex>& vertices,
+[[nodiscard]] inline std::vector<unsigned char> shading_bytes(MeshView mesh, const kit::Array<StripVertex>& vertices,
                                                               ShadingLayout layout, int components,
-                                                              const std::vector<double>& shares) {
+                                                              const kit::Array<double>& shares) {
     std::vector<unsigned char> out(vertices.size() * layout.vertex_bytes(components));
     unsigned char* to = out.data();
     const auto put = [&to](double number, int bytes) {

@@ -24,6 +24,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/io/detail/strips.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -53,8 +54,8 @@ inline constexpr int choices = 4;
 
 /// Faces that are stored with their colours divided by a factor.
 struct ShadingPart {
-    int factor = 1;                     ///< one of color_factors
-    std::vector<StripVertex> vertices;  ///< in strips
+    int factor = 1;                    ///< one of color_factors
+    kit::Array<StripVertex> vertices;  ///< in strips
 };
 
 /// Into how many pieces poppler cuts a face whose corners differ by `range` of full intensity, stored divided by `factor`.
@@ -72,7 +73,7 @@ class ShadingDivision {
   public:
     /// Of a mesh that check() accepts. Component k of vertex v is shares[components * v + k], a share of full intensity. All
     /// must outlive this object.
-    ShadingDivision(const MeshView& mesh, int components, const std::vector<double>& shares) noexcept
+    ShadingDivision(const MeshView& mesh, int components, const kit::Array<double>& shares) noexcept
         : mesh_(mesh), components_(static_cast<std::size_t>(components)), shares_(shares) {}
 
     /// The parts, none of them empty, in the order in which they are drawn; their faces are the mesh's, each once. To be called
@@ -84,7 +85,7 @@ class ShadingDivision {
             return parts;
         }
         choose();
-        std::vector<Triangle> faces;
+        kit::Array<Triangle> faces;
         for (std::size_t w = 0; w < ways; ++w) {
             faces.clear();
             for (std::size_t f = 0; f < mesh_.face_count; ++f)
@@ -125,7 +126,7 @@ class ShadingDivision {
     // Which factors faces get: first the largest that makes pieces enough, then, a few times over, the one for which pieces and
     // neighbours of another factor cost least (iterated conditional modes; Besag 1986).
     void choose() {
-        const std::vector<Triangle> across = face_neighbors(mesh_);
+        const kit::Array<Triangle> across = face_neighbors(mesh_);
         chosen_.assign(mesh_.face_count, static_cast<std::uint8_t>(ways - 1));
         for (int sweep = 0; sweep <= choices; ++sweep)
             for (std::size_t f = 0; f < mesh_.face_count; ++f) {
@@ -146,8 +147,8 @@ class ShadingDivision {
 
     const MeshView& mesh_;
     const std::size_t components_;
-    const std::vector<double>& shares_;
-    std::vector<std::uint8_t> chosen_;  // of each face, an index of color_factors
+    const kit::Array<double>& shares_;
+    kit::Array<std::uint8_t> chosen_;  // of each face, an index of color_factors
 };
 
 }  // namespace hmesh::detail

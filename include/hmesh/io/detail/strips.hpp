@@ -15,8 +15,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -34,22 +34,22 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
 
 /// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
 /// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
-[[nodiscard]] inline std::vector<Triangle> face_neighbors(const MeshView& mesh) {
+[[nodiscard]] inline kit::Array<Triangle> face_neighbors(const MeshView& mesh) {
     struct Side {
         std::uint32_t high, corner;  // the larger end; 3 * face + k
     };
     // Sorted by the smaller end by counting, then the few that share it.
-    std::vector<std::size_t> first(mesh.vertex_count + 1, 0);
+    kit::Array<std::size_t> first(mesh.vertex_count + 1, 0);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k) ++first[std::min(mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]) + std::size_t{1}];
     for (std::size_t v = 0; v < mesh.vertex_count; ++v) first[v + 1] += first[v];
-    std::vector<Side> sides(3 * mesh.face_count);
+    kit::Array<Side> sides(3 * mesh.face_count);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [low, high] = std::minmax({mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]});
             sides[first[low]++] = {high, static_cast<std::uint32_t>(3 * f + k)};
         }
-    std::vector<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
+    kit::Array<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
     for (std::size_t v = 0, i = 0; v < mesh.vertex_count; ++v) {
         const std::size_t end = first[v];
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end),
@@ -77,10 +77,10 @@ class StripWalk {
     }
 
     /// Every face once, in strips. To be called once.
-    [[nodiscard]] std::vector<StripVertex> run() {
-        std::vector<StripVertex> out;
+    [[nodiscard]] kit::Array<StripVertex> run() {
+        kit::Array<StripVertex> out;
         out.reserve(mesh_.face_count + mesh_.face_count / 8 + 3);
-        std::vector<std::uint32_t> path;
+        kit::Array<std::uint32_t> path;
         for (std::uint32_t start = next_start(); start != no_face; start = next_start()) {
             path.clear();
             walk_from(start, path);
@@ -117,7 +117,7 @@ class StripWalk {
             if (g != no_face && left_[g] != taken && (best == no_face || left_[g] < left_[best])) best = g;
         return best;
     }
-    void walk_from(std::uint32_t f, std::vector<std::uint32_t>& path) {
+    void walk_from(std::uint32_t f, kit::Array<std::uint32_t>& path) {
         for (; f != no_face; f = way_on(f)) {
             take(f);
             path.push_back(f);
@@ -131,7 +131,7 @@ class StripWalk {
             if (across_[f][k] == g) return {face[k], face[(k + 1) % 3], face[(k + 2) % 3]};
         return face;
     }
-    void append(const std::vector<std::uint32_t>& path, std::vector<StripVertex>& out) const {
+    void append(const kit::Array<std::uint32_t>& path, kit::Array<StripVertex>& out) const {
         std::uint32_t a = 0, b = 0, c = 0;
         const auto same = [](std::uint32_t u, std::uint32_t v, const Triangle& side) {
             return (u == side[0] && v == side[1]) || (u == side[1] && v == side[0]);
@@ -158,15 +158,15 @@ class StripWalk {
     }
 
     const MeshView mesh_;
-    const std::vector<Triangle> across_;
-    std::vector<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
-    std::array<std::vector<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
+    const kit::Array<Triangle> across_;
+    kit::Array<std::uint8_t> left_;                    // a face's neighbours that are not taken, or `taken`
+    std::array<kit::Array<std::uint32_t>, 4> starts_;  // faces that had so many; those that have still are in the right one
 };
 
 /// Every face of a mesh that check() accepts once: in strips or, without, each by itself in the mesh's order.
-[[nodiscard]] inline std::vector<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
+[[nodiscard]] inline kit::Array<StripVertex> strip_vertices(const MeshView& mesh, bool strips) {
     if (strips) return StripWalk(mesh).run();
-    std::vector<StripVertex> out;
+    kit::Array<StripVertex> out;
     out.reserve(3 * mesh.face_count);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (const std::uint32_t v : mesh.faces[f]) out.push_back({v, 0});
