@@ -1,0 +1,140 @@
+// hmesh/core: hmesh in the calling thread, for workers of one's own.
+
+/** How much work goes into a mesh: `draft` shows what there is, `fast` adds some 2 dB, `normal` another 0.6, `fine` 0.1 to 0.4 in four
+ * to five times the time of `normal`; `best` takes minutes. Steps are counted, not seconds: the same meshes on any machine. */
+export type Effort = 'draft' | 'fast' | 'normal' | 'fine' | 'best';
+
+/** The files that hmesh writes; `hmc` is its own compact one, which it reads too. */
+export type Format = 'ply' | 'glb' | 'svg' | 'html' | 'pdf' | 'obj' | 'hmc';
+
+/** Pixels, row after row from above: an ImageData is one. */
+export interface Pixels {
+  /** width * height * channels bytes, alpha straight. */
+  readonly data: Uint8ClampedArray | Uint8Array;
+  /** px, 1 to 65536. */
+  readonly width: number;
+  /** px, 1 to 65536; at most 2^28 pixels in all. */
+  readonly height: number;
+  /** 4, RGBA, unless it is 3, RGB. An image whose alpha is 255 throughout is meshed as RGB, in half the time. */
+  readonly channels?: 3 | 4;
+}
+
+/** What a mesh is to be like. One of vertices, percent and psnr may be given; by default it is 1 percent. */
+export interface MeshOptions {
+  /** Number of vertices, from 4 to the number of pixels. */
+  vertices?: number;
+  /** Vertices in percent of the pixels, above 0, at most 100. */
+  percent?: number;
+  /** The fewest vertices that reach this PSNR, in dB, as 10 log10(255^2 / MSE), the MSE over pixels and channels. Some six runs. */
+  psnr?: number;
+  /** `normal` by default. */
+  effort?: Effort;
+  /** Of random numbers, a whole number from 0 to 2^53 - 1; 1 by default. The same image, options and seed give the same bytes. */
+  seed?: number;
+  /** How much each pixel counts: numbers >= 0, one a pixel, row after row. Only ratios matter. */
+  weights?: Float32Array;
+  /** Of images with alpha: the colours are multiplied by it before meshing, and stay so in the mesh, so that edges carry no fringes. */
+  premultiplied?: boolean;
+}
+
+/** How far the work is. */
+export interface Progress {
+  /** The stage's name. */
+  stage: string;
+  /** How much of the stage is done, 0 to 1. */
+  fraction: number;
+  /** How much of the whole is done, 0 to 1, as a share of its time, estimated. */
+  total: number;
+  /** The number of vertices now. */
+  vertices: number;
+  /** Sum of squared differences over pixels and channels; 0 before there is a mesh. */
+  energy: number;
+}
+
+/** A triangle mesh. Pixel (i, j) is the square [i, i + 1] x [j, j + 1] of its plane, y down. */
+export interface Mesh {
+  /** x and y of each vertex, in px. */
+  positions: Float32Array;
+  /** The colour of each vertex: `channels` numbers, as the image stores them. */
+  colors: Uint8Array;
+  /** Three vertices for each face, clockwise on the screen. */
+  indices: Uint32Array;
+  /** px of the image. */
+  width: number;
+  /** px of the image. */
+  height: number;
+  /** 3, RGB, or 4, RGBA. */
+  channels: 3 | 4;
+  /** Whether the colours are multiplied by alpha. */
+  premultiplied: boolean;
+  vertices: number;
+  faces: number;
+  /** dB: 10 log10(255^2 / MSE), the MSE over pixels and channels, of the mesh as a GPU draws it at the image's size. NaN of a file. */
+  psnr: number;
+  /** Whether the mesh is what was asked for: false of one on the way to it, of one that was stopped, and where no mesh reached the PSNR. */
+  complete: boolean;
+}
+
+/** The part of a mesh that is written and drawn. Meshes of one's own will do: their numbers are checked. */
+export type MeshArrays = Pick<Mesh, 'positions' | 'colors' | 'indices' | 'width' | 'height'>
+  & Partial<Pick<Mesh, 'channels' | 'premultiplied'>>;
+
+export interface WriteOptions {
+  /** Of svg: how faces are filled. `gradient`, the default, is near, `exact` is what a GPU draws in 1.8 times the bytes, `flat` is small. */
+  kind?: 'gradient' | 'exact' | 'flat';
+  /** Of svg: draws the edges too. */
+  wireframe?: boolean;
+  /** Of html: the page's title. */
+  title?: string;
+  /** Of html: the bytes of a picture's file to compare with. */
+  original?: Uint8Array;
+  /** The media type of `original`, `image/png` by default. */
+  originalType?: string;
+}
+
+export interface RenderOptions {
+  /** px, 1 to 65536; the mesh's own by default. */
+  width?: number;
+  /** px, 1 to 65536; the mesh's own by default. */
+  height?: number;
+}
+
+/** RGBA, alpha straight: `new ImageData(picture.data, picture.width)` takes it. */
+export interface Picture {
+  data: Uint8ClampedArray<ArrayBuffer>;
+  width: number;
+  height: number;
+}
+
+/** What is wrong, in a sentence that names the value and its bound. */
+export class HmeshError extends Error {
+  constructor(message: string, code?: string);
+  /** `internal` is a mistake of hmesh's own. */
+  code: 'invalid_argument' | 'image_too_large' | 'target_out_of_range' | 'not_finite' | 'cancelled' | 'read_failed' | 'out_of_memory'
+    | 'internal' | (string & {});
+}
+
+/** Where hmesh.wasm comes from: its bytes, a module, an address, or the answer of fetch(). */
+export type Source = WebAssembly.Module | BufferSource | URL | string | Response;
+
+/** One instance of hmesh. All calls are synchronous, and all of them may throw an HmeshError, after which it can be used as before. */
+export class Hmesh {
+  /** `maximumMemory`: MiB, 8 to 2048, the default. Meshing takes 32 bytes a pixel of RGB and 0.7 kB a vertex, at most. */
+  constructor(module: WebAssembly.Module, options?: { maximumMemory?: number });
+  /** Makes a mesh. onProgress is called every few milliseconds; where it returns false, the mesh reached so far is the result. */
+  meshImage(image: Pixels, options?: MeshOptions & { onProgress?: (progress: Progress) => boolean | void }): Mesh;
+  /** The bytes of a file. */
+  write(mesh: MeshArrays, format: Format, options?: WriteOptions): Uint8Array<ArrayBuffer>;
+  /** The mesh of an .hmc file; grey becomes RGB. */
+  read(file: Uint8Array): Mesh;
+  /** Draws a mesh pixel for pixel as a GPU does, at any size. */
+  render(mesh: MeshArrays, options?: RenderOptions): Picture;
+  /** Gives the memory back; the next call takes it anew. */
+  free(): void;
+}
+
+/** Compiles hmesh.wasm, by default that beside this file. */
+export function compileHmesh(source?: Source | Promise<Source>): Promise<WebAssembly.Module>;
+
+/** Compiles it and makes an instance. */
+export function load(source?: Source | Promise<Source>, options?: { maximumMemory?: number }): Promise<Hmesh>;

@@ -1,0 +1,259 @@
+// hmesh in one thread: a WebAssembly instance and synchronous calls. Knows no page, no worker and no files, so that it runs
+// anywhere. Takes and gives what src/core.d.ts says.
+
+export const EFFORTS = ['draft', 'fast', 'normal', 'fine', 'best'];
+const FORMATS = ['ply', 'glb', 'svg', 'html', 'pdf', 'obj', 'hmc'];
+const SVG_KINDS = ['gradient', 'exact', 'flat'];
+// hmesh::Errc
+const CODES = ['ok', 'invalid_argument', 'image_too_large', 'target_out_of_range', 'not_finite', 'write_failed', 'cancelled',
+  'read_failed'];
+// hmesh::Target::Kind, with the names that options have
+const TARGETS = ['vertices', 'percent', 'psnr'];
+const ANSWER = ['code', 'message', 'width', 'height', 'channels', 'premultiplied', 'vertices', 'faces', 'positions', 'colors',
+  'indices', 'bytes', 'size'];
+const PAGE = 65536;  // bytes of a page of memory
+
+export class HmeshError extends Error {
+  constructor(message, code = 'invalid_argument') {
+    super(message);
+    this.name = 'HmeshError';
+    this.code = code;
+  }
+}
+
+const refuse = (message, code) => { throw new HmeshError(message, code); };
+// By their tags, since arrays may come from another realm, such as a frame.
+const isTyped = (array, ...types) => types.includes(array?.[Symbol.toStringTag]);
+
+function number(names, name, what) {
+  const index = names.indexOf(name);
+  return index < 0 ? refuse(`the ${what} is none of ${names.join(', ')}: ${String(name)}`) : index;
+}
+
+function pixels(what, px) {
+  if (!Number.isInteger(px) || px < 1 || px > 65536) refuse(`${what} must be a whole number from 1 to 65536, in px: ${String(px)}`);
+  return px;
+}
+
+// The image as an object of what is read of it alone, or an HmeshError.
+export function checkImage(image) {
+  const { data, width, height, channels = 4 } = image ?? {};
+  if (!isTyped(data, 'Uint8Array', 'Uint8ClampedArray')) refuse('the image has no data that are bytes, as those of ImageData are');
+  pixels("the image's width", width);
+  pixels("the image's height", height);
+  if (channels !== 3 && channels !== 4) refuse(`the image must have 3 or 4 channels: ${String(channels)}`);
+  const size = width * height * channels;
+  if (data.length !== size)
+    refuse(`the image has ${data.length} bytes (none where they were transferred), and ${width} x ${height} px of ${channels} `
+      + `channels are ${size}`);
+  return { data, width, height, channels };
+}
+
+// What is read of the options, checked; weights beside them, since they are large.
+export function checkOptions(options, image) {
+  const { effort = 'normal', seed = 1, premultiplied = false, weights } = options ?? {};
+  number(EFFORTS, effort, 'effort');
+  if (!Number.isSafeInteger(seed) || seed < 0) refuse(`the seed must be a whole number from 0 to 2^53 - 1: ${String(seed)}`);
+  if (options?.bytes != null) refuse('a target in bytes is not known to this version');
+  const given = TARGETS.filter((name) => options?.[name] != null);
+  if (given.length > 1) refuse(`one of ${TARGETS.join(', ')} can be the target: ${given.join(', ')}`);
+  const target = given[0] ?? 'percent', value = given.length > 0 ? options[target] : 1;
+  if (typeof value !== 'number') refuse(`${target} must be a number: ${String(value)}`);
+  if (weights != null && !isTyped(weights, 'Float32Array')) refuse('the weights are no Float32Array');
+  if (weights != null && weights.length !== image.width * image.height)
+    refuse(`there are ${weights.length} weights, and ${image.width} x ${image.height} px`);
+  return { effort, seed, premultiplied: !!premultiplied, weights, [target]: value };
+}
+
+// Makes a module of bytes, a Response, what fetchFile() takes, or a promise of one of these.
+export async function compile(source, fetchFile = fetch) {
+  let given = await source;
+  if (given instanceof WebAssembly.Module) return given;
+  if (typeof given === 'string' || isTyped(given, 'URL') || given instanceof URL) given = await fetchFile(given);
+  if (isTyped(given, 'ArrayBuffer') || ArrayBuffer.isView(given)) return WebAssembly.compile(given);
+  if (!given?.ok) refuse(`hmesh.wasm cannot be read from ${given?.url ?? String(given)}: ${given?.status ?? 'no Response'}`, 'read_failed');
+  return given.headers.get('content-type')?.startsWith('application/wasm')
+    ? WebAssembly.compileStreaming(given) : WebAssembly.compile(await given.arrayBuffer());
+}
+
+export class Hmesh {
+  #module; #most; #memory; #wasm; #progress; #thrown;
+
+  constructor(module, { maximumMemory = 2048 } = {}) {
+    if (!(maximumMemory >= 8 && maximumMemory <= 2048)) refuse(`maximumMemory must be from 8 to 2048, in MiB: ${String(maximumMemory)}`);
+    this.#module = module;
+    this.#most = Math.floor(maximumMemory * 1048576 / PAGE);
+  }
+
+  meshImage(image, options = {}) {
+    image = checkImage(image);
+    const { onProgress } = options ?? {};
+    const { effort, seed, premultiplied, weights, ...target } = checkOptions(options, image);
+    const { data, width, height } = image, isOpaque = image.channels === 3 || isAllOpaque(data);
+    const channels = isOpaque ? 3 : 4, [[kind, value]] = Object.entries(target);
+    return this.#run((wasm) => {
+      const at = wasm.hmesh_allocate(width * height * channels);
+      this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
+      const weightsAt = weights ? this.#put(weights) : 0;
+      this.#progress = onProgress;
+      const answer = this.#read(wasm.hmesh_mesh_image(at, width, height, channels, premultiplied && !isOpaque, TARGETS.indexOf(kind),
+        value, EFFORTS.indexOf(effort), seed, weightsAt));
+      this.#progress = undefined;
+      wasm.hmesh_release(at);
+      if (weightsAt) wasm.hmesh_release(weightsAt);
+      if (this.#thrown) {
+        const [error] = this.#thrown;
+        this.#thrown = undefined;
+        throw error;
+      }
+      if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
+      return { ...this.#mesh(answer), psnr: answer.psnr, complete: answer.code === 0 };
+    });
+  }
+
+  write(mesh, format, options = {}) {
+    number(FORMATS, format, 'format');
+    const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png' } = options ?? {};
+    number(SVG_KINDS, kind, 'kind of SVG');
+    if (original != null && !isTyped(original, 'Uint8Array')) refuse('the original is no Uint8Array');
+    return this.#run((wasm) => {
+      this.#hold(mesh);
+      const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}\0`)));
+      const originalAt = original ? this.#put(original) : 0;
+      const answer = this.#read(wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0],
+        originalAt, original?.length ?? 0, texts[1]));
+      for (const at of [...texts, originalAt]) if (at) wasm.hmesh_release(at);
+      if (answer.code) refuse(answer.message, CODES[answer.code]);
+      return this.#bytes(answer.bytes, answer.size).slice();
+    });
+  }
+
+  read(bytes) {
+    if (!isTyped(bytes, 'Uint8Array')) refuse('the bytes of a file are no Uint8Array');
+    return this.#run((wasm) => {
+      const at = this.#put(bytes), answer = this.#read(wasm.hmesh_read(at, bytes.length));
+      wasm.hmesh_release(at);
+      if (answer.code) refuse(answer.message, CODES[answer.code]);
+      return { ...this.#mesh(answer), psnr: NaN, complete: true };
+    });
+  }
+
+  render(mesh, { width = mesh?.width, height = mesh?.height } = {}) {
+    pixels("the picture's width", width);
+    pixels("the picture's height", height);
+    return this.#run((wasm) => {
+      this.#hold(mesh);
+      const answer = this.#read(wasm.hmesh_render(width, height));
+      if (answer.code) refuse(answer.message, CODES[answer.code]);
+      return { data: new Uint8ClampedArray(this.#bytes(answer.bytes, answer.size).slice().buffer), width, height };
+    });
+  }
+
+  // Gives the memory back; the next call takes it anew.
+  free() {
+    this.#wasm = this.#memory = undefined;
+  }
+
+  // Calls body() with the functions of C. What leaves them by force (no memory, a trap) leaves the instance in no known state.
+  #run(body) {
+    try {
+      if (!this.#wasm) this.#start();
+      return body(this.#wasm);
+    } catch (error) {
+      if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
+        this.free();
+        throw new HmeshError(`hmesh stopped: ${error.message}`, 'internal');
+      }
+      if (error.code === 'out_of_memory') this.free();
+      throw error;
+    }
+  }
+
+  #start() {
+    const outOfMemory = () => refuse(`out of memory: hmesh may take ${this.#most * PAGE / 1048576} MiB`, 'out_of_memory');
+    const memory = new WebAssembly.Memory({ initial: 64, maximum: this.#most });
+    const wasm = new WebAssembly.Instance(this.#module, {
+      env: { memory, emscripten_notify_memory_growth() {} },
+      wasi_snapshot_preview1: { proc_exit: outOfMemory },
+      hmesh: {
+        out_of_memory: outOfMemory,
+        progress: (stage, fraction, total, vertices, energy) => {
+          try {
+            return this.#progress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) !== false;
+          } catch (error) {
+            this.#thrown = [error];
+            return false;
+          }
+        },
+      },
+    }).exports;
+    this.#memory = memory;
+    wasm._initialize();
+    this.#wasm = wasm;
+  }
+
+  #bytes(at, size) { return new Uint8Array(this.#memory.buffer, at, size); }
+
+  #text(at) {
+    const bytes = new Uint8Array(this.#memory.buffer);
+    return new TextDecoder().decode(bytes.slice(at, bytes.indexOf(0, at)));
+  }
+
+  #put(array) {
+    const at = this.#wasm.hmesh_allocate(array.byteLength);
+    this.#bytes(at, array.byteLength).set(new Uint8Array(array.buffer, array.byteOffset, array.byteLength));
+    return at;
+  }
+
+  #read(at) {
+    const words = new Uint32Array(this.#memory.buffer, at + 8);
+    const answer = Object.fromEntries(ANSWER.map((name, k) => [name, words[k]]));
+    answer.psnr = new Float64Array(this.#memory.buffer, at, 1)[0];
+    answer.message = this.#text(answer.message);
+    return answer;
+  }
+
+  #mesh({ width, height, channels, premultiplied, vertices, faces, positions, colors, indices }) {
+    const { buffer } = this.#memory;
+    return {
+      positions: new Float32Array(buffer, positions, 2 * vertices).slice(),
+      colors: new Uint8Array(buffer, colors, channels * vertices).slice(),
+      indices: new Uint32Array(buffer, indices, 3 * faces).slice(),
+      width, height, channels, premultiplied: premultiplied !== 0, vertices, faces,
+    };
+  }
+
+  // Hands a mesh to the functions of C, which check its numbers.
+  #hold(mesh) {
+    const { positions, colors, indices, width, height, channels = 3, premultiplied = false } = mesh ?? {};
+    for (const [array, type, name] of [[positions, 'Float32Array', 'positions'], [colors, 'Uint8Array', 'colors'],
+      [indices, 'Uint32Array', 'indices']])
+      if (!isTyped(array, type)) refuse(`the mesh's ${name} are no ${type}`);
+    pixels("the mesh's width", width);
+    pixels("the mesh's height", height);
+    if (channels !== 3 && channels !== 4) refuse(`the mesh must have 3 or 4 channels: ${String(channels)}`);
+    const vertices = positions.length / 2, faces = indices.length / 3;
+    if (colors.length !== channels * vertices || !Number.isInteger(faces))
+      refuse(`the mesh has ${positions.length} coordinates, ${colors.length} numbers of colours of ${channels} channels and `
+        + `${indices.length} indices, which do not fit together`);
+    const answer = this.#read(this.#wasm.hmesh_hold(width, height, channels, premultiplied && channels === 4, vertices, faces));
+    const { buffer } = this.#memory;
+    new Float32Array(buffer, answer.positions, positions.length).set(positions);
+    new Uint8Array(buffer, answer.colors, colors.length).set(colors);
+    new Uint32Array(buffer, answer.indices, indices.length).set(indices);
+  }
+
+  #strip(from, channels, to, wanted) {
+    if (channels === wanted) to.set(from);
+    else for (let i = 0, j = 0; j < to.length; i += 4, j += 3) {
+      to[j] = from[i];
+      to[j + 1] = from[i + 1];
+      to[j + 2] = from[i + 2];
+    }
+  }
+}
+
+function isAllOpaque(rgba) {
+  for (let i = 3; i < rgba.length; i += 4) if (rgba[i] !== 255) return false;
+  return true;
+}

@@ -1,0 +1,47 @@
+// hmesh: turns an image into a triangle mesh with one colour a vertex, in a worker.
+import type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
+
+export { HmeshError } from './core.js';
+export type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
+
+/** A mesh, and with which effort it was made. */
+export type EffortMesh = Mesh & { effort: Effort };
+
+export interface WorkOptions extends MeshOptions {
+  /** Stops the work: the call is rejected with the signal's reason at once. */
+  signal?: AbortSignal;
+  /** Told some 200 times at most for each mesh. What it throws stops the work and rejects the call. */
+  onProgress?: (progress: Progress & { effort: Effort }) => void;
+}
+
+/** Makes the mesh of an image, in a worker of its own. */
+export function meshImage(image: Pixels, options?: WorkOptions): Promise<EffortMesh>;
+
+/**
+ * A worker that keeps its image. Calls wait for those before them; each may be rejected with an HmeshError, after which the Mesher can be
+ * used as before. What was stopped costs nothing but, where no memory is shared (pages that are not cross-origin isolated), a new worker.
+ */
+export class Mesher {
+  /** The mesh made or read last. */
+  readonly mesh: EffortMesh | Mesh | undefined;
+  /** Takes the image to mesh, whose pixels are read when the first call needs them. Throws an HmeshError. */
+  setImage(image: Pixels): void;
+  /** Makes a mesh of the image. */
+  meshImage(options?: WorkOptions): Promise<EffortMesh>;
+  /** Makes better and better meshes of the image: a draft soon, last the one that meshImage() makes, which alone is `complete`. */
+  refine(options?: WorkOptions): AsyncGenerator<EffortMesh, void, void>;
+  /** The bytes of a file of the last mesh, or of another one. */
+  write(format: Format, options?: WriteOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Uint8Array<ArrayBuffer>>;
+  /** Draws the last mesh, or another one, pixel for pixel as a GPU does, at any size. */
+  render(options?: RenderOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Picture>;
+  /** Reads an .hmc file, whose mesh becomes the last one. */
+  read(file: Uint8Array, options?: { signal?: AbortSignal }): Promise<Mesh>;
+  /** Ends the worker; calls that are not done are rejected. The next call starts another. */
+  close(): void;
+}
+
+/**
+ * Says where things are, before they are needed, and compiles hmesh.wasm. Not needed where the files of the package stay together.
+ * `worker` starts a worker that runs `hmesh/worker`: for bundlers that leave `new URL('./worker.js', import.meta.url)` as it is.
+ */
+export function init(options?: { wasm?: Source | Promise<Source>; worker?: () => unknown }): Promise<void>;

@@ -1,0 +1,20 @@
+// hmesh in browsers.
+import { compileHmesh as compile } from './core.js';
+import { bindTo } from './mesher.js';
+
+export { HmeshError } from './engine.js';
+
+function spawn(start = () => new Worker(new URL('./worker.js', import.meta.url), { type: 'module' })) {
+  const worker = start();
+  return {
+    post: (message) => worker.postMessage(message),
+    listen(onMessage, onError) {
+      worker.onmessage = ({ data }) => onMessage(data);
+      worker.onerror = worker.onmessageerror = onError;
+    },
+    hold() {},
+    end: () => worker.terminate(),
+  };
+}
+
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn });

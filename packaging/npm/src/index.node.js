@@ -1,0 +1,22 @@
+// hmesh in node and deno.
+import { Worker } from 'node:worker_threads';
+import { compileHmesh as compile } from './core.node.js';
+import { bindTo } from './mesher.js';
+
+export { HmeshError } from './engine.js';
+
+function spawn(start = () => new Worker(new URL('./worker.node.js', import.meta.url))) {
+  const worker = start();
+  return {
+    post: (message) => worker.postMessage(message),
+    listen(onMessage, onError) {
+      worker.on('message', onMessage);
+      worker.on('error', onError);
+      worker.on('messageerror', onError);
+    },
+    hold: (isHeld) => (isHeld ? worker.ref() : worker.unref()),
+    end: () => worker.terminate(),
+  };
+}
+
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn });

@@ -1,0 +1,198 @@
+// Mesher: a worker that meshes, writes, reads and draws, one job at a time; and bindTo(), which makes the package's functions for a
+// platform: where the module is, and how a worker is started.
+import { EFFORTS, HmeshError, checkImage, checkOptions } from './engine.js';
+
+// Node's workers share memory with whom they belong to, and a browser's where the page is cross-origin isolated.
+const canShare = () => typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false;
+
+class WorkerMesher {
+  #platform; #image; #mesh; #worker;
+  #sent;  // the image that the worker has
+  #jobs = [];  // the first is at work
+
+  constructor(platform) { this.#platform = platform; }
+
+  get mesh() { return this.#mesh; }
+
+  setImage(image) { this.#image = checkImage(image); }
+
+  async meshImage(options) {
+    let last;
+    for await (const mesh of this.#meshes(options, (effort) => [effort])) last = mesh;
+    return last;
+  }
+
+  refine(options) {
+    return this.#meshes(options, (effort) => [...['draft', 'fast', 'normal'].filter((one) => EFFORTS.indexOf(one) < EFFORTS.indexOf(effort)),
+      effort]);
+  }
+
+  write(format, { mesh = this.#mesh, signal, ...options } = {}) { return this.#result({ write: format, mesh, options }, signal); }
+
+  render({ mesh = this.#mesh, signal, ...options } = {}) { return this.#result({ render: true, mesh, options }, signal); }
+
+  async read(bytes, { signal } = {}) {
+    this.#mesh = await this.#result({ read: bytes }, signal);
+    return this.#mesh;
+  }
+
+  close() {
+    for (const job of this.#jobs.splice(0)) job.end(new HmeshError('the Mesher was closed', 'cancelled'));
+    this.#end();
+  }
+
+  async* #meshes(given, effortsTo) {
+    const { signal, onProgress } = given ?? {}, image = this.#image;
+    if (!image) throw new HmeshError('the Mesher has no image: call setImage()');
+    const options = checkOptions(given, image), meshes = [];
+    let isDone = false, failure, wake = () => {};
+    const job = {
+      message: { efforts: effortsTo(options.effort), options },
+      image,
+      hear: ({ progress, mesh }) => {
+        if (progress) return onProgress?.(progress);
+        this.#mesh = mesh;
+        meshes.push(mesh);
+        wake();
+      },
+      end: (error) => {
+        isDone = true;
+        failure = error;
+        wake();
+      },
+    };
+    const stop = this.#begin(job, signal);
+    try {
+      while (true) {
+        while (meshes.length > 0 && !failure) yield meshes.shift();
+        if (failure) throw failure;
+        if (isDone) return;
+        await new Promise((resolve) => { wake = resolve; });
+      }
+    } finally {
+      stop();  // who leaves the loop wants no more of it
+    }
+  }
+
+  async #result(message, signal) {
+    let stop = () => {};
+    try {
+      return await new Promise((resolve, reject) => {
+        let result;
+        const hear = (answer) => { result = answer.result; };
+        stop = this.#begin({ message, hear, end: (error) => (error ? reject(error) : resolve(result)) }, signal);
+      });
+    } finally {
+      stop();
+    }
+  }
+
+  // Puts a job behind the others. Returns what takes it out again.
+  #begin(job, signal) {
+    signal?.throwIfAborted();
+    const abort = () => this.#drop(job, signal.reason);
+    signal?.addEventListener('abort', abort, { once: true });
+    job.flag = canShare() ? new Int32Array(new SharedArrayBuffer(4)) : undefined;
+    this.#jobs.push(job);
+    if (this.#jobs.length === 1) this.#next();
+    return () => {
+      signal?.removeEventListener('abort', abort);
+      this.#drop(job);
+    };
+  }
+
+  #drop(job, error) {
+    const at = this.#jobs.indexOf(job), { end } = job;
+    if (at < 0) return;
+    job.hear = job.end = () => {};
+    if (job.isPosted && job.flag) Atomics.store(job.flag, 0, 1);  // the worker hears it and says that it is done
+    else {
+      if (job.isPosted) this.#end();  // it hears nothing before it is done: the next job gets another
+      this.#jobs.splice(at, 1);
+      if (at === 0) this.#next();
+    }
+    end(error);
+  }
+
+  async #next() {
+    const [job] = this.#jobs;
+    if (!job) return this.#worker?.hold(false);
+    try {
+      const module = await this.#platform.module();
+      if (this.#jobs[0] !== job) return;
+      this.#worker ??= this.#start(module);
+      this.#worker.hold(true);
+      const image = job.image === this.#sent ? undefined : job.image;
+      this.#worker.post({ ...job.message, image, flag: job.flag });
+      job.isPosted = true;
+      this.#sent = job.image ?? this.#sent;
+    } catch (error) {
+      this.#finish(job, error);
+    }
+  }
+
+  #start(module) {
+    const worker = this.#platform.spawn();
+    const ifAtWork = (take) => (told) => { if (worker === this.#worker && this.#jobs.length > 0) take(this.#jobs[0], told); };
+    worker.listen(ifAtWork((job, { done, error, ...answer }) => {
+      if (done) return this.#finish(job, error && (error.code ? new HmeshError(error.message, error.code) : new Error(error.message)));
+      try {
+        job.hear(answer);
+      } catch (thrown) {
+        this.#drop(job, thrown);  // by onProgress
+      }
+    }), ifAtWork((job, error) => {
+      this.#end();
+      this.#finish(job, new HmeshError(`the worker failed: ${error?.message ?? 'it could not be loaded'}`, 'internal'));
+    }));
+    worker.post({ module });
+    return worker;
+  }
+
+  #finish(job, error) {
+    if (this.#jobs[0] !== job) return;
+    this.#jobs.shift();
+    job.end(error);
+    this.#next();
+  }
+
+  #end() {
+    this.#worker?.end();
+    this.#worker = this.#sent = undefined;
+  }
+}
+
+// platform: compile(source), a promise of the module; spawn(worker), a worker as an object of post(message), listen(onMessage,
+// onError), end() and hold(isHeld), which says whether it keeps the process from ending.
+export function bindTo({ compile, spawn }) {
+  let module, start;
+  const init = async ({ wasm, worker } = {}) => {
+    start = worker ?? start;
+    if (wasm || !module) module = compile(wasm);
+    const begun = module;
+    await begun.catch((error) => {
+      if (module === begun) module = undefined;  // the next call tries again
+      throw error;
+    });
+  };
+  const platform = {
+    spawn: () => spawn(start),
+    async module() {
+      await init();
+      return module;
+    },
+  };
+  class Mesher extends WorkerMesher {
+    constructor() { super(platform); }
+  }
+  const meshImage = async (image, options) => {
+    const mesher = new Mesher();
+    try {
+      mesher.setImage(image);
+      return await mesher.meshImage(options);
+    } finally {
+      mesher.close();
+    }
+  };
+  return { init, Mesher, meshImage };
+}

@@ -1,0 +1,48 @@
+// A worker's side of Mesher: takes messages, answers with what hmesh makes of them.
+import { Hmesh } from './engine.js';
+
+// post(message, transferred): answers.
+export function serve(post) {
+  let hmesh, image;
+  const buffers = (mesh) => [mesh.positions.buffer, mesh.colors.buffer, mesh.indices.buffer];
+  const answer = (message) => {
+    if (message.write) {
+      const result = hmesh.write(message.mesh, message.write, message.options);
+      return post({ result }, [result.buffer]);
+    }
+    if (message.render) {
+      const result = hmesh.render(message.mesh, message.options);
+      return post({ result }, [result.data.buffer]);
+    }
+    if (message.read) {
+      const result = hmesh.read(message.read);
+      return post({ result }, buffers(result));
+    }
+    const { efforts, options, flag } = message;
+    image = message.image ?? image;
+    for (const [k, effort] of efforts.entries()) {
+      let told = -1;
+      const onProgress = (progress) => {
+        if (progress.total >= told + 0.005 || progress.total === 1) post({ progress: { ...progress, effort } });
+        if (progress.total >= told + 0.005) told = progress.total;
+        return !flag || Atomics.load(flag, 0) === 0;
+      };
+      const mesh = hmesh.meshImage(image, { ...options, effort, onProgress });
+      if (flag && Atomics.load(flag, 0) !== 0) return;
+      if (k + 1 < efforts.length) mesh.complete = false;
+      post({ mesh: { ...mesh, effort } }, buffers(mesh));
+    }
+  };
+  return (message) => {
+    if (message.module) {
+      hmesh = new Hmesh(message.module);
+      return;
+    }
+    try {
+      answer(message);
+      post({ done: true });
+    } catch (error) {
+      post({ done: true, error: { message: error.message, code: error.code } });
+    }
+  };
+}
