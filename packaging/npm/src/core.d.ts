@@ -121,8 +121,14 @@ export type Source = WebAssembly.Module | BufferSource | URL | string | Response
 export class Hmesh {
   /** `maximumMemory`: MiB, 8 to 2048, the default. Meshing takes 32 bytes a pixel of RGB and 0.7 kB a vertex, at most. */
   constructor(module: WebAssembly.Module, options?: { maximumMemory?: number });
-  /** Makes a mesh. onProgress is called every few milliseconds; where it returns false, the mesh reached so far is the result. */
-  meshImage(image: Pixels, options?: MeshOptions & { onProgress?: (progress: Progress) => boolean | void }): Mesh;
+  /** Makes a mesh. What onProgress or onMesh throws stops the work and is thrown. */
+  meshImage(image: Pixels, options?: MeshOptions & {
+    /** Called every few milliseconds; where it returns false, the mesh reached so far is the result. */
+    onProgress?: (progress: Progress) => boolean | void;
+    /** Called with the mesh so far some 20 times at most, after each twentieth of the work where one can be had: at first with up to three
+     * times the vertices, in the end with nearly the last ones. Their `psnr` is that before colours are rounded. Costs some percent. */
+    onMesh?: (mesh: Mesh) => void;
+  }): Mesh;
   /** The bytes of a file. */
   write(mesh: MeshArrays, format: Format, options?: WriteOptions): Uint8Array<ArrayBuffer>;
   /** The mesh of an .hmc file; grey becomes RGB. */

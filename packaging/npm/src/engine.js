@@ -77,7 +77,8 @@ export async function compile(source, fetchFile = fetch) {
 }
 
 export class Hmesh {
-  #module; #most; #memory; #wasm; #progress; #thrown;
+  #module; #most; #memory; #wasm;
+  #watch;  // what is told of the call at work, and what that threw
 
   constructor(module, { maximumMemory = 2048 } = {}) {
     if (!(maximumMemory >= 8 && maximumMemory <= 2048)) refuse(`maximumMemory must be from 8 to 2048, in MiB: ${String(maximumMemory)}`);
@@ -87,7 +88,7 @@ export class Hmesh {
 
   meshImage(image, options = {}) {
     image = checkImage(image);
-    const { onProgress } = options ?? {};
+    const { onProgress, onMesh } = options ?? {};
     const { effort, seed, premultiplied, weights, ...target } = checkOptions(options, image);
     const { data, width, height } = image, isOpaque = image.channels === 3 || isAllOpaque(data);
     const channels = isOpaque ? 3 : 4, [[kind, value]] = Object.entries(target);
@@ -95,19 +96,14 @@ export class Hmesh {
       const at = wasm.hmesh_allocate(width * height * channels);
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
       const weightsAt = weights ? this.#put(weights) : 0;
-      this.#progress = onProgress;
+      const watch = this.#watch = { onProgress, onMesh, shown: 0 };
       const answer = this.#read(wasm.hmesh_mesh_image(at, width, height, channels, premultiplied && !isOpaque, TARGETS.indexOf(kind),
         value, EFFORTS.indexOf(effort), seed, weightsAt));
-      this.#progress = undefined;
       wasm.hmesh_release(at);
       if (weightsAt) wasm.hmesh_release(weightsAt);
-      if (this.#thrown) {
-        const [error] = this.#thrown;
-        this.#thrown = undefined;
-        throw error;
-      }
+      if (watch.thrown) throw watch.thrown[0];
       if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
-      return { ...this.#mesh(answer), psnr: answer.psnr, complete: answer.code === 0 };
+      return this.#mesh(answer, answer.code === 0);
     });
   }
 
@@ -134,7 +130,7 @@ export class Hmesh {
       const at = this.#put(bytes), answer = this.#read(wasm.hmesh_read(at, bytes.length));
       wasm.hmesh_release(at);
       if (answer.code) refuse(answer.message, CODES[answer.code]);
-      return { ...this.#mesh(answer), psnr: NaN, complete: true };
+      return { ...this.#mesh(answer, true), psnr: NaN };
     });
   }
 
@@ -177,19 +173,31 @@ export class Hmesh {
       wasi_snapshot_preview1: { proc_exit: outOfMemory },
       hmesh: {
         out_of_memory: outOfMemory,
-        progress: (stage, fraction, total, vertices, energy) => {
-          try {
-            return this.#progress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) !== false;
-          } catch (error) {
-            this.#thrown = [error];
-            return false;
-          }
-        },
+        progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
+          const { onProgress, onMesh } = watch;
+          if (onProgress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) === false) return 0;
+          if (!isMesh || !onMesh || total < watch.shown + 0.05 || total === 1) return 1;
+          watch.shown = total;
+          return 2;
+        }),
+        show: (answer) => this.#guard(({ onMesh }) => onMesh(this.#mesh(this.#read(answer), false))),
       },
     }).exports;
     this.#memory = memory;
     wasm._initialize();
     this.#wasm = wasm;
+  }
+
+  // Calls what is told; what it throws stops the work, and is thrown by the call.
+  #guard(tell) {
+    const watch = this.#watch;
+    if (watch.thrown) return 0;
+    try {
+      return tell(watch);
+    } catch (error) {
+      watch.thrown = [error];
+      return 0;
+    }
   }
 
   #bytes(at, size) { return new Uint8Array(this.#memory.buffer, at, size); }
@@ -213,13 +221,13 @@ export class Hmesh {
     return answer;
   }
 
-  #mesh({ width, height, channels, premultiplied, vertices, faces, positions, colors, indices }) {
+  #mesh({ width, height, channels, premultiplied, vertices, faces, positions, colors, indices, psnr }, complete) {
     const { buffer } = this.#memory;
     return {
       positions: new Float32Array(buffer, positions, 2 * vertices).slice(),
       colors: new Uint8Array(buffer, colors, channels * vertices).slice(),
       indices: new Uint32Array(buffer, indices, 3 * faces).slice(),
-      width, height, channels, premultiplied: premultiplied !== 0, vertices, faces,
+      width, height, channels, premultiplied: premultiplied !== 0, vertices, faces, psnr, complete,
     };
   }
 

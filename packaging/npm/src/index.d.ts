@@ -4,7 +4,7 @@ import type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Pr
 export { HmeshError } from './core.js';
 export type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
 
-/** A mesh, and with which effort it was made. */
+/** A mesh, and the effort asked for. */
 export type EffortMesh = Mesh & { effort: Effort };
 
 export interface WorkOptions extends MeshOptions {
@@ -28,7 +28,8 @@ export class Mesher {
   setImage(image: Pixels): void;
   /** Makes a mesh of the image. */
   meshImage(options?: WorkOptions): Promise<EffortMesh>;
-  /** Makes better and better meshes of the image: a draft soon, last the one that meshImage() makes, which alone is `complete`. */
+  /** Gives the mesh of the image as it grows, some 20 times at most: soon a first one, with up to three times the vertices asked for; last
+   * the one that meshImage() makes, which alone is `complete`. Leaving the loop stops the work. */
   refine(options?: WorkOptions): AsyncGenerator<EffortMesh, void, void>;
   /** The bytes of a file of the last mesh, or of another one. */
   write(format: Format, options?: WriteOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Uint8Array<ArrayBuffer>>;

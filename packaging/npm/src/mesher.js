@@ -1,6 +1,6 @@
 // Mesher: a worker that meshes, writes, reads and draws, one job at a time; and bindTo(), which makes the package's functions for a
 // platform: where the module is, and how a worker is started.
-import { EFFORTS, HmeshError, checkImage, checkOptions } from './engine.js';
+import { HmeshError, checkImage, checkOptions } from './engine.js';
 
 // Node's workers share memory with whom they belong to, and a browser's where the page is cross-origin isolated.
 const canShare = () => typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false;
@@ -18,14 +18,11 @@ class WorkerMesher {
 
   async meshImage(options) {
     let last;
-    for await (const mesh of this.#meshes(options, (effort) => [effort])) last = mesh;
+    for await (const mesh of this.#meshes(options, false)) last = mesh;
     return last;
   }
 
-  refine(options) {
-    return this.#meshes(options, (effort) => [...['draft', 'fast', 'normal'].filter((one) => EFFORTS.indexOf(one) < EFFORTS.indexOf(effort)),
-      effort]);
-  }
+  refine(options) { return this.#meshes(options, true); }
 
   write(format, { mesh = this.#mesh, signal, ...options } = {}) { return this.#result({ write: format, mesh, options }, signal); }
 
@@ -41,13 +38,13 @@ class WorkerMesher {
     this.#end();
   }
 
-  async* #meshes(given, effortsTo) {
+  async* #meshes(given, refine) {
     const { signal, onProgress } = given ?? {}, image = this.#image;
     if (!image) throw new HmeshError('the Mesher has no image: call setImage()');
     const options = checkOptions(given, image), meshes = [];
     let isDone = false, failure, wake = () => {};
     const job = {
-      message: { efforts: effortsTo(options.effort), options },
+      message: { options, refine },
       image,
       hear: ({ progress, mesh }) => {
         if (progress) return onProgress?.(progress);

@@ -18,20 +18,18 @@ export function serve(post) {
       const result = hmesh.read(message.read);
       return post({ result }, buffers(result));
     }
-    const { efforts, options, flag } = message;
+    const { options, refine, flag } = message, { effort } = options;
     image = message.image ?? image;
-    for (const [k, effort] of efforts.entries()) {
-      let told = -1;
-      const onProgress = (progress) => {
-        if (progress.total >= told + 0.005 || progress.total === 1) post({ progress: { ...progress, effort } });
-        if (progress.total >= told + 0.005) told = progress.total;
-        return !flag || Atomics.load(flag, 0) === 0;
-      };
-      const mesh = hmesh.meshImage(image, { ...options, effort, onProgress });
-      if (flag && Atomics.load(flag, 0) !== 0) return;
-      if (k + 1 < efforts.length) mesh.complete = false;
-      post({ mesh: { ...mesh, effort } }, buffers(mesh));
-    }
+    let told = -1;
+    const show = (mesh) => post({ mesh: { ...mesh, effort } }, buffers(mesh));
+    const onProgress = (progress) => {
+      if (progress.total >= told + 0.005 || progress.total === 1) {
+        told = progress.total;
+        post({ progress: { ...progress, effort } });
+      }
+      return !flag || Atomics.load(flag, 0) === 0;
+    };
+    show(hmesh.meshImage(image, { ...options, onProgress, onMesh: refine ? show : undefined }));
   };
   return (message) => {
     if (message.module) {

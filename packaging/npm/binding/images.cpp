@@ -1,0 +1,84 @@
+// What JavaScript calls to make a mesh, and to hand one in.
+#include <cstddef>
+#include <cstdint>
+#include <new>
+#include <utility>
+
+#include "hmesh/core/psnr.hpp"
+#include "hmesh/image/weights.hpp"
+#include "hmesh/mesh_image.hpp"
+#include "module.hpp"
+
+// Told of progress: returns 0 to stop, 1 to go on, and 2 to go on after show() where there `is_mesh`. `stage` ends with a zero.
+HMESH_IMPORT(progress)
+int hmesh_progress(const char* stage, double fraction, double total, double vertices, double energy, int is_mesh);
+// Is handed the mesh so far, as an answer.
+HMESH_IMPORT(show) void hmesh_show(const void* answer);
+// Throws.
+HMESH_IMPORT(out_of_memory) void hmesh_out_of_memory();
+
+namespace {
+
+[[maybe_unused]] const std::new_handler previous_handler = std::set_new_handler(hmesh_out_of_memory);
+
+template <int C>
+hmesh::Result make(const std::uint8_t* pixels, int width, int height, const hmesh::Options& options,
+                   const hmesh::Annealed& recipe) {
+    return hmesh::mesh_image(hmesh::ImageView<std::uint8_t, C>{pixels, width, height}, options, recipe);
+}
+
+}  // namespace
+
+HMESH_EXPORT(hmesh_allocate) void* hmesh_allocate(std::size_t size) { return ::operator new(size); }
+HMESH_EXPORT(hmesh_release) void hmesh_release(void* bytes) { ::operator delete(bytes); }
+
+// Meshes an image of 3 or 4 channels. `kind`: Target::Kind; `weights`: one a pixel, or null.
+HMESH_EXPORT(hmesh_mesh_image)
+const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, int channels, int premultiplied, int kind, double value,
+                             int effort, double seed, const float* weights) {
+    binding::Module& module = binding::module();
+    hmesh::Options options;
+    options.target = {static_cast<hmesh::Target::Kind>(kind), value, {}, {}};
+    options.premultiplied = premultiplied != 0;
+    if (weights != nullptr) options.weights = {weights, width, height};
+    double samples = 0;  // that count, of which only checked weights can tell
+    const auto progress = [&](const hmesh::ProgressInfo& info) {
+        const bool is_mesh{info.mesh_so_far};
+        const int answer =
+            hmesh_progress(info.stage, info.fraction, info.total, static_cast<double>(info.vertices), info.energy, is_mesh);
+        if (answer == 2 && is_mesh) {
+            if (samples == 0)
+                samples = channels * hmesh::kit::weight_sum(options.weights, hmesh::kit::weight_unit(options.weights), width, height);
+            module.hold(info.mesh_so_far());
+            module.psnr = hmesh::kit::psnr_of_energy(info.energy, samples, 255);
+            hmesh_show(module.reply({}));
+        }
+        return answer != 0;
+    };
+    options.progress = progress;
+    hmesh::Annealed recipe;
+    recipe.effort = static_cast<hmesh::Effort>(effort);
+    recipe.seed = static_cast<std::uint64_t>(seed);
+    module.mesh = {};
+    hmesh::Result result =
+        channels == 3 ? make<3>(pixels, width, height, options, recipe) : make<4>(pixels, width, height, options, recipe);
+    module.hold(std::move(result.mesh));
+    module.psnr = result.report.psnr;
+    return module.reply(result.status);
+}
+
+// Makes room for a mesh whose arrays JavaScript then writes to where the answer says.
+HMESH_EXPORT(hmesh_hold)
+const void* hmesh_hold(int width, int height, int channels, int premultiplied, std::size_t vertices, std::size_t faces) {
+    binding::Module& module = binding::module();
+    module.mesh = {};
+    module.mesh.width = width;
+    module.mesh.height = height;
+    module.mesh.channels = channels;
+    module.mesh.peak = 255;
+    module.mesh.premultiplied = premultiplied != 0;
+    module.mesh.positions.resize(2 * vertices);
+    module.mesh.faces.resize(faces);
+    module.colors.resize(static_cast<std::size_t>(channels) * vertices);
+    return module.reply({});
+}
