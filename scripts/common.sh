@@ -108,6 +108,11 @@ need() {
             mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
             wine) has wine || packages+=(wine wine64) ;;
             emscripten) has em++ || packages+=(emscripten) ;;
+            browser)  # what tests of pages run
+                has "${CHROMIUM:-chromium}" || packages+=(chromium)
+                has node || packages+=(nodejs)
+                has npm || packages+=(npm)
+                ;;
             viewers)  # what the tests of that label show meshes with
                 has pdftoppm || packages+=(poppler-utils)
                 has gs || packages+=(ghostscript)

@@ -1,12 +1,17 @@
 #!/usr/bin/env bash
 # Builds what runs in browsers: the package `hmesh` of packaging/npm, into build/web/npm.
 #
-# usage: scripts/web.sh
-# It installs Emscripten where that is missing.
+# usage: scripts/web.sh [--test [--quick]]
+# It installs Emscripten where that is missing. With --test it tests the package in node and Chromium, against the command where
+# scripts/test.sh has built that, and, unless --quick, with vite, webpack, esbuild, deno and TypeScript, which it installs into
+# build/web/tools.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
-[ $# = 0 ] || fail "usage: scripts/web.sh"
+case $*: in
+    : | --test: | "--test --quick:") ;;
+    *) fail "usage: scripts/web.sh [--test [--quick]]" ;;
+esac
 need eigen emscripten
 
 source=packaging/npm
@@ -38,3 +43,20 @@ mkdir -p "$package" "$objects"
 step "Building $package/hmesh.wasm ..." build_objects
 step "Linking it ..." link
 cp "$source"/src/*.js "$source"/src/*.d.ts "$source/package.json" "$source/README.md" LICENSE "$package"
+
+[ "${1-}" = --test ] || exit 0
+need browser
+tools=build/viewers
+if [ "${2-}" = --quick ]; then
+    need_node_modules "$PWD/$tools"
+else
+    tools=build/web/tools
+    mkdir -p "$tools"
+    cp tests/web/package.json "$tools"
+    step "Installing what tests use into $tools ..." env PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 \
+        npm install --prefix "$tools" --ignore-scripts --no-package-lock --no-audit --no-fund
+    export NODE_PATH=$PWD/$tools/node_modules${NODE_PATH:+:$NODE_PATH}
+fi
+command=$PWD/build/release/bin/hmesh
+[ -x "$command" ] || command=
+CHROMIUM=${CHROMIUM:-$(command -v chromium)} sh tests/web/run.sh "$package" "$command" ${2+"$2"}

@@ -12,5 +12,7 @@ if [ "$example" != "$readme" ]; then
     exit 1
 fi
 version=$(sed -n 's/^#define HMESH_VERSION_STRING "\(.*\)"$/\1/p' "$root/include/hmesh/core/version.hpp")
-port=$(sed -n 's/^ *"version": "\(.*\)",$/\1/p' "$root/packaging/vcpkg/hmesh/vcpkg.json")
-[ "$port" = "$version" ] || { echo "packaging/vcpkg/hmesh/vcpkg.json has version $port, hmesh is $version"; exit 1; }
+for recipe in packaging/vcpkg/hmesh/vcpkg.json packaging/npm/package.json; do
+    said=$(sed -n 's/^ *"version": "\(.*\)",$/\1/p' "$root/$recipe")
+    [ "$said" = "$version" ] || { echo "$recipe has version $said, hmesh is $version"; exit 1; }
+done

@@ -125,8 +125,8 @@ export class Hmesh {
   meshImage(image: Pixels, options?: MeshOptions & {
     /** Called every few milliseconds; where it returns false, the mesh reached so far is the result. */
     onProgress?: (progress: Progress) => boolean | void;
-    /** Called with the mesh so far some 20 times at most, after each twentieth of the work where one can be had: at first with up to three
-     * times the vertices, in the end with nearly the last ones. Their `psnr` is that before colours are rounded. Costs some percent. */
+    /** Called with the mesh so far, some 40 times at most: where one can be had after a quarter more of the work, or a twentieth of the
+     * whole. The first have up to three times the vertices. Their `psnr` is that before colours are rounded. Costs some percent. */
     onMesh?: (mesh: Mesh) => void;
   }): Mesh;
   /** The bytes of a file. */

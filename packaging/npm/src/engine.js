@@ -176,7 +176,7 @@ export class Hmesh {
         progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
           const { onProgress, onMesh } = watch;
           if (onProgress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) === false) return 0;
-          if (!isMesh || !onMesh || total < watch.shown + 0.05 || total === 1) return 1;
+          if (!isMesh || !onMesh || total < Math.min(1.25 * watch.shown, watch.shown + 0.05) || total === 1) return 1;
           watch.shown = total;
           return 2;
         }),

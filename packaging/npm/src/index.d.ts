@@ -28,7 +28,7 @@ export class Mesher {
   setImage(image: Pixels): void;
   /** Makes a mesh of the image. */
   meshImage(options?: WorkOptions): Promise<EffortMesh>;
-  /** Gives the mesh of the image as it grows, some 20 times at most: soon a first one, with up to three times the vertices asked for; last
+  /** Gives the mesh of the image as it grows, some 40 times at most: soon a first one, with up to three times the vertices asked for; last
    * the one that meshImage() makes, which alone is `complete`. Leaving the loop stops the work. */
   refine(options?: WorkOptions): AsyncGenerator<EffortMesh, void, void>;
   /** The bytes of a file of the last mesh, or of another one. */

@@ -1,0 +1,280 @@
+// The package as node has it: what it makes, what it refuses, and that it can be used afterwards.
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { readFile } from 'node:fs/promises';
+import { pathToFileURL } from 'node:url';
+import { Worker } from 'node:worker_threads';
+import { hash, hashOf, picture } from './pictures.mjs';
+
+const folder = pathToFileURL(`${process.env.HMESH_NPM}/`);
+const { HmeshError, Mesher, init, meshImage } = await import(new URL('index.node.js', folder));
+const { Hmesh, compileHmesh, load } = await import(new URL('core.node.js', folder));
+const image = picture(64, 48);
+
+// The error that a call, synchronous or not, ends with.
+async function errorOf(call) {
+  try {
+    await call();
+  } catch (error) {
+    return error;
+  }
+  return assert.fail('nothing was thrown');
+}
+
+// Whether it is a whole mesh of its picture: its faces, all turned alike, have the picture's area.
+function assertMesh(mesh, { width, height }, channels) {
+  assert.equal(mesh.width, width);
+  assert.equal(mesh.height, height);
+  assert.equal(mesh.channels, channels);
+  assert.equal(mesh.positions.length, 2 * mesh.vertices);
+  assert.equal(mesh.colors.length, channels * mesh.vertices);
+  assert.equal(mesh.indices.length, 3 * mesh.faces);
+  assert.ok(mesh.positions instanceof Float32Array && mesh.colors instanceof Uint8Array && mesh.indices instanceof Uint32Array);
+  let twice = 0;
+  for (let f = 0; f < mesh.faces; ++f) {
+    const [a, b, c] = [0, 1, 2].map((k) => mesh.indices[3 * f + k]).map((v) => [mesh.positions[2 * v], mesh.positions[2 * v + 1]]);
+    const area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+    assert.ok(area > 0);
+    twice += area;
+  }
+  assert.equal(twice, 2 * width * height);
+}
+
+// PSNR of a drawn mesh against its RGB image, in dB.
+function psnrOf(drawn, { data }) {
+  let sum = 0, count = 0;
+  for (let i = 0; i < data.length; ++i)
+    if (i % 4 !== 3) {
+      sum += (drawn.data[i] - data[i]) ** 2;
+      ++count;
+    }
+  return 10 * Math.log10(255 ** 2 * count / sum);
+}
+
+test('meshImage() gives a mesh of so many vertices that covers the image, and its PSNR is that of its picture', async () => {
+  const mesh = await meshImage(image, { vertices: 200 });
+  assertMesh(mesh, image, 3);
+  assert.equal(mesh.vertices, 200);
+  assert.equal(mesh.complete, true);
+  const drawn = (await load()).render(mesh);
+  assert.ok(Math.abs(psnrOf(drawn, image) - mesh.psnr) < 0.05);  // the picture is rounded
+});
+
+test('a target is a number of vertices, a percentage, a PSNR, or one percent', async () => {
+  const hmesh = await load();
+  assert.equal(hmesh.meshImage(image, { percent: 5 }).vertices, Math.round(64 * 48 * 0.05));
+  assert.equal(hmesh.meshImage(image).vertices, Math.round(64 * 48 * 0.01));
+  const reached = hmesh.meshImage(image, { psnr: 25 });
+  assert.ok(reached.psnr >= 25 && reached.complete);
+  const missed = hmesh.meshImage(image, { psnr: 90, effort: 'draft' });
+  assert.ok(missed.psnr < 90 && !missed.complete);
+});
+
+test('an image whose alpha is 255 is meshed as RGB, others as RGBA', async () => {
+  const hmesh = await load(), rgb = new Uint8Array(64 * 48 * 3).map((_, k) => image.data[4 * Math.floor(k / 3) + k % 3]);
+  assert.equal(hashOf(hmesh.meshImage({ ...image, data: rgb, channels: 3 })), hashOf(hmesh.meshImage(image)));
+  const soft = picture(64, 48, { alpha: true });
+  const straight = hmesh.meshImage(soft, { vertices: 100 }), multiplied = hmesh.meshImage(soft, { vertices: 100, premultiplied: true });
+  assertMesh(straight, soft, 4);
+  assertMesh(multiplied, soft, 4);
+  assert.deepEqual([straight.premultiplied, multiplied.premultiplied], [false, true]);
+  assert.notEqual(hashOf(straight), hashOf(multiplied));
+});
+
+test('weights move vertices to where they are large, and a seed gives another mesh', async () => {
+  const hmesh = await load();
+  const weights = new Float32Array(64 * 48).map((_, k) => (k % 64 < 32 ? 1 : 0));
+  const left = (mesh) => Array.from({ length: mesh.vertices }, (_, v) => mesh.positions[2 * v] < 32).filter(Boolean).length / mesh.vertices;
+  assert.ok(left(hmesh.meshImage(image, { vertices: 100, weights })) > 0.85);
+  assert.ok(left(hmesh.meshImage(image, { vertices: 100 })) < 0.7);
+  assert.notEqual(hashOf(hmesh.meshImage(image, { seed: 2 })), hashOf(hmesh.meshImage(image, { seed: 1 })));
+});
+
+test('refine() gives valid meshes and last, alone complete, the one of meshImage()', async () => {
+  const mesher = new Mesher(), large = picture(200, 150), meshes = [];
+  mesher.setImage(large);
+  for await (const mesh of mesher.refine({ vertices: 600 })) meshes.push(mesh);
+  assert.ok(meshes.length >= 5 && meshes.length <= 40, `${meshes.length} meshes`);
+  for (const mesh of meshes) assertMesh(mesh, large, 3);
+  assert.deepEqual(meshes.map((mesh) => mesh.complete), meshes.map((_, k) => k + 1 === meshes.length));
+  assert.equal(hashOf(meshes.at(-1)), hashOf(await meshImage(large, { vertices: 600 })));
+  assert.equal(mesher.mesh, meshes.at(-1));
+  const drawn = [];
+  for (const mesh of [meshes[0], meshes.at(-1)]) drawn.push(psnrOf(await mesher.render({ mesh }), large));
+  assert.ok(Math.abs(drawn[0] - meshes[0].psnr) < 0.2 && drawn[0] > 15);  // its colours are not the last ones, and rounded
+  mesher.close();
+});
+
+test('who leaves the loop of refine() stops it, and can go on with the Mesher', async () => {
+  const mesher = new Mesher();
+  mesher.setImage(picture(300, 200));
+  for await (const mesh of mesher.refine({ vertices: 2000, effort: 'best' })) {
+    assert.equal(mesh.complete, false);
+    break;
+  }
+  assert.equal((await mesher.meshImage({ vertices: 50, effort: 'draft' })).vertices, 50);
+  mesher.close();
+});
+
+test('progress rises to 1, and what it throws ends the call', async () => {
+  const told = [], thrown = new Error('no more');
+  await meshImage(image, { vertices: 100, onProgress: (progress) => told.push(progress) });
+  const totals = told.map(({ total }) => total);
+  assert.deepEqual(totals, [...totals].sort((a, b) => a - b));
+  assert.equal(totals.at(-1), 1);
+  assert.ok(new Set(told.map(({ stage }) => stage)).size > 3);
+  assert.equal(await errorOf(() => meshImage(image, { onProgress() { throw thrown; } })), thrown);
+  const hmesh = await load();
+  assert.equal(await errorOf(() => hmesh.meshImage(image, { onProgress() { throw thrown; } })), thrown);
+  assert.equal(await errorOf(() => hmesh.meshImage(image, { onMesh() { throw thrown; } })), thrown);
+  const stopped = hmesh.meshImage(image, { onProgress: ({ total }) => total < 0.5 });
+  assertMesh(stopped, image, 3);
+  assert.equal(stopped.complete, false);
+});
+
+test('an AbortSignal ends what is at work and what waits, by a flag, and the same worker goes on', async () => {
+  let workers = 0;
+  await init({ worker: () => ++workers && new Worker(new URL('worker.node.js', folder)) });
+  const mesher = new Mesher();
+  mesher.setImage(picture(300, 200));
+  const atWork = new AbortController(), waiting = new AbortController();
+  const first = errorOf(() => mesher.meshImage({ vertices: 5000, effort: 'best', signal: atWork.signal, onProgress() { atWork.abort(); } }));
+  const second = errorOf(() => mesher.meshImage({ vertices: 60, signal: waiting.signal }));
+  const third = mesher.meshImage({ vertices: 70, effort: 'draft' });
+  waiting.abort(new Error('not that one'));
+  assert.equal((await second).message, 'not that one');
+  assert.equal((await first).name, 'AbortError');
+  assert.equal((await third).vertices, 70);
+  assert.equal(workers, 1);
+  const reason = new Error('at once');
+  assert.equal(await errorOf(() => mesher.write('ply', { signal: AbortSignal.abort(reason) })), reason);
+  assert.equal(await errorOf(() => mesher.meshImage({ signal: AbortSignal.abort(reason) })), reason);
+  assert.match((await errorOf(() => mesher.meshImage({ vertices: 5000, effort: 'best', onProgress() { mesher.close(); } }))).message, /closed/);
+  assert.equal((await mesher.meshImage({ vertices: 70, effort: 'draft' })).vertices, 70);
+  assert.equal(workers, 2);
+  mesher.close();
+});
+
+test('files begin as their formats do, and those of .hmc come back', async () => {
+  const mesher = new Mesher();
+  mesher.setImage(image);
+  const mesh = await mesher.meshImage({ vertices: 100 });
+  const text = async (format, options) => Buffer.from(await mesher.write(format, options)).toString('latin1');
+  assert.match(await text('ply'), /^ply\nformat binary_little_endian 1\.0\n(.*\n)*element vertex 100\n/);
+  assert.match(await text('obj'), /^(#.*\n)*v /);
+  assert.match(await text('pdf'), /^%PDF-1\.4/);
+  assert.match(await text('svg'), /^<svg [^]*linearGradient[^]*<\/svg>\n$/);
+  assert.doesNotMatch(await text('svg', { kind: 'flat' }), /linearGradient|vector-effect/);
+  assert.match(await text('svg', { kind: 'flat', wireframe: true }), /vector-effect/);
+  assert.match(await text('html', { title: 'a < b' }), /<title>a &lt; b<\/title>/);
+  assert.match(await text('html', { original: new Uint8Array([1, 2, 3]), originalType: 'image/x' }), /data:image\/x;base64,AQID/);
+  const glb = Buffer.from(await mesher.write('glb'));
+  assert.equal(glb.toString('latin1', 0, 4), 'glTF');
+  assert.equal(glb.readUInt32LE(8), glb.length);
+  const back = await mesher.read(await mesher.write('hmc'));
+  assert.equal(mesher.mesh, back);
+  assert.equal(hash((await mesher.render()).data), hash((await mesher.render({ mesh })).data));  // vertices come in another order
+  assertMesh(back, image, 3);
+  mesher.close();
+});
+
+test('what is no image, no option and no mesh is refused with a sentence that names it, and the next call is served', async () => {
+  const hmesh = await load(), mesher = new Mesher(), { data } = image;
+  const gone = new Uint8Array(64 * 48 * 4);
+  structuredClone(gone, { transfer: [gone.buffer] });
+  const images = [
+    [undefined, /no data/], [null, /no data/], [42, /no data/], [{}, /no data/], [{ data: [1, 2, 3, 4], width: 1, height: 1 }, /no data/],
+    [{ data: new Float32Array(4), width: 1, height: 1 }, /no data/], [{ data: new Int8Array(4), width: 1, height: 1 }, /no data/],
+    [{ data, width: NaN, height: 48 }, /width .*NaN/], [{ data, width: 64, height: '48' }, /height .*48/],
+    [{ data, width: 64.5, height: 48 }, /64\.5/], [{ data, width: -64, height: -48 }, /-64/], [{ data, width: Infinity, height: 1 }, /Infinity/],
+    [{ data: new Uint8Array(0), width: 0, height: 0 }, /width .*0$/], [{ data, width: 65537, height: 1 }, /65537/],
+    [{ data, width: 64, height: 47 }, /12288 bytes .*12032/], [{ data: gone, width: 64, height: 48 }, /has 0 bytes/],
+    [{ data, width: 65536, height: 65536 }, /12288 bytes/], [{ data, width: 64, height: 48, channels: 1 }, /channels.*1$/],
+    [{ data, width: Symbol('x'), height: 48 }, /Symbol/], [{ data, width: 10n, height: 48 }, /width/],
+  ];
+  for (const [bad, sentence] of images)
+    for (const call of [() => hmesh.meshImage(bad), () => mesher.setImage(bad), () => meshImage(bad)]) {
+      const error = await errorOf(call);
+      assert.ok(error instanceof HmeshError, String(error));
+      assert.match(error.message, sentence);
+      assert.equal(error.code, 'invalid_argument');
+    }
+  mesher.setImage(image);
+  const options = [
+    [{ vertices: 3 }, /at least 4 vertices \(3/], [{ vertices: 1e6 }, /at most one vertex a pixel \(1000000, limit 3072\)/],
+    [{ vertices: NaN }, /not finite/], [{ vertices: '100' }, /vertices must be a number: 100/], [{ percent: 0 }, /above 0/], [{ percent: 101 }, /101/],
+    [{ psnr: -1 }, /positive/], [{ psnr: Infinity }, /finite/], [{ vertices: 10, psnr: 30 }, /vertices, psnr/], [{ vertices: 10n }, /number: 10/],
+    [{ effort: 'hard' }, /effort .*hard/], [{ effort: Symbol('x') }, /effort .*Symbol/], [{ seed: -1 }, /seed .*-1/], [{ seed: 0.5 }, /seed .*0\.5/],
+    [{ seed: 2 ** 53 }, /seed/], [{ weights: [1] }, /Float32Array/], [{ weights: new Float32Array(5) }, /5 weights/],
+    [{ weights: new Float32Array(64 * 48).fill(-1) }, /negative/], [{ weights: new Float32Array(64 * 48).fill(NaN) }, /NaN/],
+  ];
+  for (const [bad, sentence] of options)
+    for (const call of [() => hmesh.meshImage(image, bad), () => mesher.meshImage(bad)]) {
+      const error = await errorOf(call);
+      assert.ok(error instanceof HmeshError, String(error));
+      assert.match(error.message, sentence);
+    }
+  const mesh = hmesh.meshImage(image, { vertices: 50 });
+  const meshes = [
+    [undefined, /positions/], [{ ...mesh, positions: [] }, /positions/], [{ ...mesh, colors: new Uint8Array(3) }, /fit together/],
+    [{ ...mesh, indices: new Uint32Array(4) }, /fit together/], [{ ...mesh, positions: mesh.positions.slice(1) }, /fit together/],
+    [{ ...mesh, indices: mesh.indices.map(() => 50) }, /names no vertex/], [{ ...mesh, positions: mesh.positions.map(() => NaN) }, /NaN/],
+    [{ ...mesh, width: 0 }, /width/], [{ ...mesh, height: 1e9 }, /height/], [{ ...mesh, channels: 2 }, /channels/],
+    [{ ...mesh, positions: new Float32Array(0), colors: new Uint8Array(0) }, /no vertices/],
+  ];
+  for (const [bad, sentence] of meshes)
+    for (const call of [() => hmesh.write(bad, 'ply'), () => mesher.write('ply', { mesh: bad }), () => hmesh.render(bad, { width: 5, height: 5 })])
+      assert.match((await errorOf(call)).message, sentence);
+  assert.match((await errorOf(() => hmesh.write(mesh, 'bmp'))).message, /format .*bmp/);
+  assert.match((await errorOf(() => hmesh.write(mesh, 'svg', { kind: 'oil' }))).message, /oil/);
+  assert.match((await errorOf(() => hmesh.write(mesh, 'html', { original: new Uint8Array(1), originalType: 'a b' }))).message, /media type/);
+  assert.match((await errorOf(() => hmesh.render(mesh, { width: 1e6 }))).message, /1000000/);
+  for (const file of [undefined, 'text', new Uint8Array(0), new Uint8Array(100)]) assert.ok((await errorOf(() => hmesh.read(file))) instanceof HmeshError);
+  const file = hmesh.write(mesh, 'hmc');
+  for (let k = 0; k < file.length; ++k) {
+    const damaged = file.slice();
+    damaged[k] ^= 1 << (k % 8);
+    assert.ok((await errorOf(() => hmesh.read(damaged))) instanceof HmeshError);
+  }
+  assert.match((await errorOf(() => new Mesher().meshImage())).message, /no image/);
+  assert.match((await errorOf(() => new Mesher().write('ply'))).message, /positions/);
+  assert.equal(hashOf(hmesh.meshImage(image, { vertices: 50 })), hashOf(mesh));
+  assert.equal(hashOf(await mesher.meshImage({ vertices: 50 })), hashOf(mesh));
+  mesher.close();
+});
+
+test('out of memory is said in a sentence, and the instance serves the next call', async () => {
+  const hmesh = await load(undefined, { maximumMemory: 8 });
+  for (const side of [1400, 1800, 3000]) {  // while it works, and before it begins
+    const error = await errorOf(() => hmesh.meshImage({ data: new Uint8Array(3 * side * side), width: side, height: side, channels: 3 }));
+    assert.ok(error instanceof HmeshError, String(error));
+    assert.match(error.message, /out of memory: .*8 MiB/);
+    assert.equal(error.code, 'out_of_memory');
+    assert.equal(hmesh.meshImage(image, { vertices: 50 }).vertices, 50);
+  }
+  assert.equal((await errorOf(() => hmesh.render(hmesh.meshImage(image), { width: 3000, height: 3000 }))).code, 'out_of_memory');
+  hmesh.free();
+  assert.equal(hmesh.meshImage(image, { vertices: 50 }).vertices, 50);
+  const module = await compileHmesh();
+  for (const maximumMemory of [0, NaN, 4096, 'much']) assert.match((await errorOf(() => new Hmesh(module, { maximumMemory }))).message, /maximumMemory/);
+});
+
+test('the module comes from bytes, an address, an answer or a promise, and what is none is refused', async () => {
+  const url = new URL('hmesh.wasm', folder), bytes = await readFile(url);
+  const answer = new Response(bytes, { headers: { 'content-type': 'application/wasm' } }), plain = new Response(bytes);
+  for (const source of [bytes, new Uint8Array(bytes).buffer, url, url.href, answer, plain, Promise.resolve(bytes)])
+    assert.equal((await load(source)).meshImage(image, { vertices: 50 }).vertices, 50);
+  assert.match((await errorOf(() => load(new Response('', { status: 404 })))).message, /404/);
+  assert.ok(await errorOf(() => load(new URL('none.wasm', folder))));
+  assert.ok(await errorOf(() => load(new Uint8Array(8))));
+  assert.match((await errorOf(() => load(42))).message, /42/);
+});
+
+test('a worker that cannot be started fails the call', async () => {
+  await init({ worker: () => new Worker(new URL('none.js', folder)) });
+  assert.match((await errorOf(() => meshImage(image))).message, /worker failed/);
+  await init({ worker: () => { throw new Error('forbidden here'); } });
+  assert.match((await errorOf(() => meshImage(image))).message, /forbidden here/);
+  await init({ worker: () => new Worker(new URL('worker.node.js', folder)) });
+  assert.equal((await meshImage(image, { vertices: 50 })).vertices, 50);
+});
