@@ -21,27 +21,38 @@ package=build/web/npm
 # Debian's Emscripten finds the node packages that it is made of there alone.
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
+# compile NAME FLAG...: the binding, for hmesh.wasm or hmesh.threads.wasm. What meshes is compiled for speed, the rest for size.
 compile() {
-    emscripten "-O$1" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude "${include_folders[@]}" \
-        -c "$source/binding/$2.cpp" -o "$objects/$2.o"
+    local name=$1 file level
+    shift
+    for file in meshing images files; do
+        if [ "$file" = meshing ]; then level=2; else level=z; fi
+        emscripten "-O$level" "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude "${include_folders[@]}" \
+            -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
+    done
 }
 
-# What meshes is compiled for speed (-O3 is no faster and 4 kB larger), the rest for size.
-build_objects() {
-    compile 2 meshing &
-    compile z images && compile z files && wait "$!"
-}
-
-# No JavaScript of Emscripten's: no main(), a memory that ours brings, imports that it has, and a stack of a size that is said.
+# link NAME FLAG...: no JavaScript of Emscripten's, hence no main(), a memory that ours brings, imports that it has, and a stack of a
+# size that is said.
 link() {
-    emscripten -Oz "$objects"/*.o -o "$package/hmesh.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY -sALLOW_MEMORY_GROWTH \
-        -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0
+    local name=$1
+    shift
+    emscripten -Oz "$objects/$name"/*.o -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY \
+        -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
+        -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 "$@"
+}
+
+# Emscripten's own threads want its JavaScript (3.1.6 refuses them with STANDALONE_WASM). Ours share a memory with the libraries of
+# one thread, which the linker is told to allow: only operator new is called by several, and has a lock (binding/heap.hpp).
+build_modules() {
+    compile hmesh &
+    compile hmesh.threads -pthread && wait "$!" &&
+        link hmesh && link hmesh.threads -matomics -mbulk-memory -Wl,--shared-memory,--no-check-features
 }
 
 rm -rf "$package" "$objects"
-mkdir -p "$package" "$objects"
-step "Building $package/hmesh.wasm ..." build_objects
-step "Linking it ..." link
+mkdir -p "$package" "$objects/hmesh" "$objects/hmesh.threads"
+step "Building $package ..." build_modules
 cp "$source"/src/*.js "$source"/src/*.d.ts "$source/package.json" "$source/README.md" LICENSE "$package"
 
 [ "${1-}" = --test ] || exit 0

@@ -259,6 +259,41 @@ test('out of memory is said in a sentence, and the instance serves the next call
   for (const maximumMemory of [0, NaN, 4096, 'much']) assert.match((await errorOf(() => new Hmesh(module, { maximumMemory }))).message, /maximumMemory/);
 });
 
+test('threads give the bytes of one thread, and running out of memory ends none of them for good', async () => {
+  let workers = 0;
+  const worker = () => ++workers && new Worker(new URL('worker.node.js', folder)), large = picture(500, 400), mesher = new Mesher();
+  mesher.setImage(large);
+  const expected = hashOf((await load()).meshImage(large, { vertices: 3000 }));
+  for (const threads of [1, 2, 5]) {
+    await init({ worker, threads, maximumMemory: 64 });
+    workers = 0;
+    assert.equal(hashOf(await mesher.meshImage({ vertices: 3000 })), expected);
+    assert.equal(workers, threads);
+    mesher.setImage({ data: new Uint8Array(4000 * 4000 * 3), width: 4000, height: 4000, channels: 3 });
+    assert.equal((await errorOf(() => mesher.meshImage({ vertices: 3000 }))).code, 'out_of_memory');
+    mesher.setImage(large);
+    assert.equal(hashOf(await mesher.meshImage({ vertices: 3000 })), expected);
+    mesher.close();
+  }
+  for (const threads of [0, NaN, 65]) assert.match((await errorOf(() => init({ threads }))).message, /threads must be from 1 to 64/);
+  await init({ threads: 2, maximumMemory: 2048 });
+});
+
+test('a helper that fails in its part fails the call', async () => {
+  const module = await compileHmesh(new URL('hmesh.threads.wasm', folder));
+  const memory = new WebAssembly.Memory({ initial: 64, maximum: 640, shared: true }), hmesh = new Hmesh(module, { memory });
+  const helpers = hmesh.stacks(3).map((stack) => {
+    const helper = new Worker(new URL('worker.node.js', folder));
+    helper.postMessage({ module, memory, stack });
+    return helper;
+  });
+  const large = picture(500, 400), expected = hashOf((await load()).meshImage(large, { vertices: 3000 }));
+  for (let k = 0; k < 3; ++k) assert.equal(hashOf(hmesh.meshImage(large, { vertices: 3000 })), expected);
+  assert.equal((await errorOf(() => hmesh.meshImage(picture(2400, 1600), { percent: 10 }))).code, 'out_of_memory');
+  assert.match((await errorOf(() => hmesh.meshImage(large))).message, /stopped before/);
+  for (const helper of helpers) await helper.terminate();
+});
+
 test('the module comes from bytes, an address, an answer or a promise, and what is none is refused', async () => {
   const url = new URL('hmesh.wasm', folder), bytes = await readFile(url);
   const answer = new Response(bytes, { headers: { 'content-type': 'application/wasm' } }), plain = new Response(bytes);

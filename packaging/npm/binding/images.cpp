@@ -8,6 +8,10 @@
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "module.hpp"
+#ifdef __wasm_atomics__
+#include "crew.hpp"
+#include "heap.hpp"
+#endif
 
 // Told of progress: returns 0 to stop, 1 to go on, and 2 to go on after show() where there `is_mesh`. `stage` ends with a zero.
 HMESH_IMPORT(progress)
@@ -21,16 +25,31 @@ namespace {
 
 [[maybe_unused]] const std::new_handler previous_handler = std::set_new_handler(hmesh_out_of_memory);
 
+#ifdef __wasm_atomics__
+binding::Crew crew;
+const auto executor = [](std::size_t n, hmesh::Piece piece) {
+    if (!crew.run(n, piece)) hmesh_out_of_memory();
+};
+#else
+const hmesh::ParallelFor executor;
+#endif
+
 template <int C>
 hmesh::Result make(const std::uint8_t* pixels, int width, int height, const hmesh::Options& options,
                    const hmesh::Annealed& recipe) {
-    return hmesh::mesh_image(hmesh::ImageView<std::uint8_t, C>{pixels, width, height}, options, recipe);
+    return hmesh::mesh_image(hmesh::ImageView<std::uint8_t, C>{pixels, width, height}, options, recipe, executor);
 }
 
 }  // namespace
 
 HMESH_EXPORT(hmesh_allocate) void* hmesh_allocate(std::size_t size) { return ::operator new(size); }
 HMESH_EXPORT(hmesh_release) void hmesh_release(void* bytes) { ::operator delete(bytes); }
+
+#ifdef __wasm_atomics__
+// A helper's life, on a stack of its own in an instance of its own; and its end, where that threw.
+HMESH_EXPORT(hmesh_help) void hmesh_help() { crew.help(); }
+HMESH_EXPORT(hmesh_fail) void hmesh_fail() { crew.fail(); }
+#endif
 
 // Meshes an image of 3 or 4 channels. `kind`: Target::Kind; `weights`: one a pixel, or null.
 HMESH_EXPORT(hmesh_mesh_image)

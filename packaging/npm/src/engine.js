@@ -12,6 +12,7 @@ const TARGETS = ['vertices', 'percent', 'psnr'];
 const ANSWER = ['code', 'message', 'width', 'height', 'channels', 'premultiplied', 'vertices', 'faces', 'positions', 'colors',
   'indices', 'bytes', 'size'];
 const PAGE = 65536;  // bytes of a page of memory
+const STACK = 1048576;  // bytes; meshing takes a fifth
 
 export class HmeshError extends Error {
   constructor(message, code = 'invalid_argument') {
@@ -33,6 +34,10 @@ function number(names, name, what) {
 function pixels(what, px) {
   if (!Number.isInteger(px) || px < 1 || px > 65536) refuse(`${what} must be a whole number from 1 to 65536, in px: ${String(px)}`);
   return px;
+}
+
+export function checkRange(what, value, low, high) {
+  if (!(value >= low && value <= high)) refuse(`${what} must be from ${low} to ${high}: ${String(value)}`);
 }
 
 // The image as an object of what is read of it alone, or an HmeshError.
@@ -76,15 +81,42 @@ export async function compile(source, fetchFile = fetch) {
     ? WebAssembly.compileStreaming(given) : WebAssembly.compile(await given.arrayBuffer());
 }
 
+// What an instance imports.
+const imports = (memory, hmesh) => ({
+  env: { memory, emscripten_notify_memory_growth() {} },
+  wasi_snapshot_preview1: { proc_exit: hmesh.out_of_memory },
+  hmesh,
+});
+
+// Whether a module is that of threads.
+export const hasThreads = (module) => WebAssembly.Module.exports(module).some(({ name }) => name === 'hmesh_help');
+
+// The life of a helper of an Hmesh with threads: never returns unless something goes wrong, which its Hmesh then hears.
+export function help(module, memory, stack) {
+  const out_of_memory = () => refuse('out of memory', 'out_of_memory');
+  const wasm = new WebAssembly.Instance(module, imports(memory, { out_of_memory, progress: () => 1, show() {} })).exports;
+  wasm.stackRestore(stack);
+  try {
+    wasm.hmesh_help();
+  } catch {
+    wasm.hmesh_fail();
+  }
+}
+
 export class Hmesh {
-  #module; #most; #memory; #wasm;
+  #module; #most; #memory; #wasm; #shared;
   #watch;  // what is told of the call at work, and what that threw
 
-  constructor(module, { maximumMemory = 2048 } = {}) {
-    if (!(maximumMemory >= 8 && maximumMemory <= 2048)) refuse(`maximumMemory must be from 8 to 2048, in MiB: ${String(maximumMemory)}`);
+  // memory: of a module of threads, where its helpers are too.
+  constructor(module, { maximumMemory = 2048, memory } = {}) {
+    checkRange('maximumMemory', maximumMemory, 8, 2048);
     this.#module = module;
     this.#most = Math.floor(maximumMemory * 1048576 / PAGE);
+    this.#shared = memory;
   }
+
+  // Addresses from which the stacks of so many helpers grow down.
+  stacks(count) { return this.#run((wasm) => Array.from({ length: count }, () => wasm.hmesh_allocate(STACK) + STACK)); }
 
   meshImage(image, options = {}) {
     image = checkImage(image);
@@ -147,7 +179,8 @@ export class Hmesh {
 
   // Gives the memory back; the next call takes it anew.
   free() {
-    this.#wasm = this.#memory = undefined;
+    this.#wasm = undefined;
+    this.#memory = null;
   }
 
   // Calls body() with the functions of C. What leaves them by force (no memory, a trap) leaves the instance in no known state.
@@ -167,22 +200,19 @@ export class Hmesh {
 
   #start() {
     const outOfMemory = () => refuse(`out of memory: hmesh may take ${this.#most * PAGE / 1048576} MiB`, 'out_of_memory');
-    const memory = new WebAssembly.Memory({ initial: 64, maximum: this.#most });
-    const wasm = new WebAssembly.Instance(this.#module, {
-      env: { memory, emscripten_notify_memory_growth() {} },
-      wasi_snapshot_preview1: { proc_exit: outOfMemory },
-      hmesh: {
-        out_of_memory: outOfMemory,
-        progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
-          const { onProgress, onMesh } = watch;
-          if (onProgress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) === false) return 0;
-          if (!isMesh || !onMesh || total < Math.min(1.25 * watch.shown, watch.shown + 0.05) || total === 1) return 1;
-          watch.shown = total;
-          return 2;
-        }),
-        show: (answer) => this.#guard(({ onMesh }) => onMesh(this.#mesh(this.#read(answer), false))),
-      },
-    }).exports;
+    if (this.#shared && this.#memory === null) refuse('hmesh stopped before, and its threads with it', 'internal');
+    const memory = this.#shared ?? new WebAssembly.Memory({ initial: 64, maximum: this.#most });
+    const wasm = new WebAssembly.Instance(this.#module, imports(memory, {
+      out_of_memory: outOfMemory,
+      progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
+        const { onProgress, onMesh } = watch;
+        if (onProgress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) === false) return 0;
+        if (!isMesh || !onMesh || total < Math.min(1.25 * watch.shown, watch.shown + 0.05) || total === 1) return 1;
+        watch.shown = total;
+        return 2;
+      }),
+      show: (answer) => this.#guard(({ onMesh }) => onMesh(this.#mesh(this.#read(answer), false))),
+    })).exports;
     this.#memory = memory;
     wasm._initialize();
     this.#wasm = wasm;

@@ -41,8 +41,17 @@ export class Mesher {
   close(): void;
 }
 
-/**
- * Says where things are, before they are needed, and compiles hmesh.wasm. Not needed where the files of the package stay together.
- * `worker` starts a worker that runs `hmesh/worker`: for bundlers that leave `new URL('./worker.js', import.meta.url)` as it is.
- */
-export function init(options?: { wasm?: Source | Promise<Source>; worker?: () => unknown }): Promise<void>;
+export interface Setup {
+  /** hmesh.wasm, where the package's files do not stay together. Of a page that is cross-origin isolated, hmesh.threads.wasm will do too. */
+  wasm?: Source | Promise<Source>;
+  /** Starts a worker that runs `hmesh/worker`: for bundlers that leave `new URL('./worker.js', import.meta.url)` as it is. */
+  worker?: () => unknown;
+  /** How many threads mesh an image above 65,536 pixels, 1 to 64: by default as many as the processor runs at once, 8 at most. Only in node
+   * and in pages that are cross-origin isolated; the bytes are the same. */
+  threads?: number;
+  /** MiB that a Mesher may take, 8 to 2048, the default. */
+  maximumMemory?: number;
+}
+
+/** Sets up what is not to be as it is by default, for the Meshers that work from then on, and compiles the module. */
+export function init(setup?: Setup): Promise<void>;

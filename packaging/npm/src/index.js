@@ -1,5 +1,5 @@
 // hmesh in browsers.
-import { compileHmesh as compile } from './core.js';
+import { compileHmesh } from './core.js';
 import { bindTo } from './mesher.js';
 
 export { HmeshError } from './engine.js';
@@ -17,4 +17,8 @@ function spawn(start = () => new Worker(new URL('./worker.js', import.meta.url),
   };
 }
 
-export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn });
+const compile = (source, canShare) =>
+  compileHmesh(source ?? (canShare ? new URL('./hmesh.threads.wasm', import.meta.url) : undefined));
+const threads = () => navigator.hardwareConcurrency;
+
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn, threads });

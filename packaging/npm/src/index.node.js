@@ -1,6 +1,7 @@
 // hmesh in node and deno.
+import * as os from 'node:os';
 import { Worker } from 'node:worker_threads';
-import { compileHmesh as compile } from './core.node.js';
+import { compileHmesh } from './core.node.js';
 import { bindTo } from './mesher.js';
 
 export { HmeshError } from './engine.js';
@@ -19,4 +20,8 @@ function spawn(start = () => new Worker(new URL('./worker.node.js', import.meta.
   };
 }
 
-export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn });
+const compile = (source, canShare) =>
+  compileHmesh(source ?? (canShare ? new URL('./hmesh.threads.wasm', import.meta.url) : undefined));
+const threads = () => os.availableParallelism?.() ?? os.cpus().length;
+
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn, threads });

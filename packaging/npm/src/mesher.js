@@ -1,12 +1,25 @@
 // Mesher: a worker that meshes, writes, reads and draws, one job at a time; and bindTo(), which makes the package's functions for a
 // platform: where the module is, and how a worker is started.
-import { HmeshError, checkImage, checkOptions } from './engine.js';
+import { HmeshError, checkImage, checkOptions, checkRange, hasThreads } from './engine.js';
 
 // Node's workers share memory with whom they belong to, and a browser's where the page is cross-origin isolated.
-const canShare = () => typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false;
+export const canShare = () => typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false;
+// px of an image of one tile, which is of one thread.
+const SMALL = 65536;
+
+// A memory that may grow to so many MiB, or where there is no room for that, as on phones, to less.
+function sharedMemory(most) {
+  for (let maximum = Math.floor(16 * most); ; maximum >>= 1)
+    try {
+      return new WebAssembly.Memory({ initial: 64, maximum, shared: true });
+    } catch (error) {
+      if (maximum < 1024) throw error;
+    }
+}
 
 class WorkerMesher {
   #platform; #image; #mesh; #worker;
+  #crew;  // where the worker's memory is shared: {module, memory, stacks} until its helpers are started, and these
   #sent;  // the image that the worker has
   #jobs = [];  // the first is at work
 
@@ -119,6 +132,7 @@ class WorkerMesher {
       if (this.#jobs[0] !== job) return;
       this.#worker ??= this.#start(module);
       this.#worker.hold(true);
+      if (job.image?.width * job.image?.height > SMALL) this.#hire();
       const image = job.image === this.#sent ? undefined : job.image;
       this.#worker.post({ ...job.message, image, flag: job.flag });
       job.isPosted = true;
@@ -131,19 +145,39 @@ class WorkerMesher {
   #start(module) {
     const worker = this.#platform.spawn();
     const ifAtWork = (take) => (told) => { if (worker === this.#worker && this.#jobs.length > 0) take(this.#jobs[0], told); };
-    worker.listen(ifAtWork((job, { done, error, ...answer }) => {
+    const crew = this.#crew = { module, memory: hasThreads(module) ? sharedMemory(this.#platform.maximumMemory()) : undefined, helpers: [], stacks: [] };
+    const take = ifAtWork((job, { done, error, ...answer }) => {
+      if (error && crew.memory && ['out_of_memory', 'internal'].includes(error.code)) this.#end();
       if (done) return this.#finish(job, error && (error.code ? new HmeshError(error.message, error.code) : new Error(error.message)));
       try {
         job.hear(answer);
       } catch (thrown) {
         this.#drop(job, thrown);  // by onProgress
       }
-    }), ifAtWork((job, error) => {
+    });
+    worker.listen((answer) => {
+      if (!answer.stacks) return take(answer);
+      crew.stacks = answer.stacks;
+      if (crew === this.#crew && crew.isWanted) this.#hire();
+    }, ifAtWork((job, error) => {
       this.#end();
       this.#finish(job, new HmeshError(`the worker failed: ${error?.message ?? 'it could not be loaded'}`, 'internal'));
     }));
-    worker.post({ module });
+    worker.post({ module, maximumMemory: this.#platform.maximumMemory(), memory: crew.memory, helpers: crew.memory ? this.#platform.threads() - 1 : 0 });
     return worker;
+  }
+
+  // Starts the helpers, as soon as there are stacks for them.
+  #hire() {
+    const { module, memory, stacks, helpers } = this.#crew;
+    this.#crew.isWanted = true;
+    for (const stack of stacks.splice(0)) {
+      const helper = this.#platform.spawn();
+      helper.listen(() => {}, () => {});  // without it the others do its work
+      helper.post({ module, memory, stack });
+      helper.hold(false);
+      helpers.push(helper);
+    }
   }
 
   #finish(job, error) {
@@ -155,17 +189,22 @@ class WorkerMesher {
 
   #end() {
     this.#worker?.end();
-    this.#worker = this.#sent = undefined;
+    for (const helper of this.#crew?.helpers ?? []) helper.end();
+    this.#worker = this.#crew = this.#sent = undefined;
   }
 }
 
-// platform: compile(source), a promise of the module; spawn(worker), a worker as an object of post(message), listen(onMessage,
+// platform: compile(source, canShare), a promise of the module; threads(), how many run at once; spawn(worker), a worker as an object of post(message), listen(onMessage,
 // onError), end() and hold(isHeld), which says whether it keeps the process from ending.
-export function bindTo({ compile, spawn }) {
-  let module, start;
-  const init = async ({ wasm, worker } = {}) => {
+export function bindTo({ compile, spawn, threads: mostThreads }) {
+  let module, start, count, most = 2048;
+  const init = async ({ wasm, worker, threads, maximumMemory } = {}) => {
+    if (threads !== undefined) checkRange('threads', threads, 1, 64);
+    if (maximumMemory !== undefined) checkRange('maximumMemory', maximumMemory, 8, 2048);
+    most = maximumMemory ?? most;
     start = worker ?? start;
-    if (wasm || !module) module = compile(wasm);
+    count = threads ?? count;
+    if (wasm || !module) module = compile(wasm, canShare());
     const begun = module;
     await begun.catch((error) => {
       if (module === begun) module = undefined;  // the next call tries again
@@ -174,6 +213,8 @@ export function bindTo({ compile, spawn }) {
   };
   const platform = {
     spawn: () => spawn(start),
+    maximumMemory: () => most,
+    threads: () => Math.floor(count ?? Math.min(8, mostThreads())),
     async module() {
       await init();
       return module;

@@ -1,5 +1,5 @@
 // A worker's side of Mesher: takes messages, answers with what hmesh makes of them.
-import { Hmesh } from './engine.js';
+import { Hmesh, help } from './engine.js';
 
 // post(message, transferred): answers.
 export function serve(post) {
@@ -32,15 +32,17 @@ export function serve(post) {
     show(hmesh.meshImage(image, { ...options, onProgress, onMesh: refine ? show : undefined }));
   };
   return (message) => {
-    if (message.module) {
-      hmesh = new Hmesh(message.module);
-      return;
-    }
+    const { module, memory, stack, helpers, maximumMemory } = message;
+    if (stack) return help(module, memory, stack);
     try {
+      if (module) {
+        hmesh = new Hmesh(module, { maximumMemory, memory });
+        return memory && post({ stacks: hmesh.stacks(helpers) });
+      }
       answer(message);
-      post({ done: true });
+      return post({ done: true });
     } catch (error) {
-      post({ done: true, error: { message: error.message, code: error.code } });
+      return post({ done: true, error: { message: error.message, code: error.code } });
     }
   };
 }
