@@ -3738,9 +3738,10 @@ varying vec4 color;
 void main() { color = stored; gl_Position = place(); }`,
 picture: `${toCanvas}
 uniform vec2 full;
+uniform float margin;
 uniform mat2 turn;
 varying vec2 q;
-void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
+void main() { q = turn * ((at + margin) / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
 faces: `
@@ -3803,7 +3804,7 @@ gl.bindAttribLocation(program, 1, 'stored');
 gl.linkProgram(program);
 if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
 const where = {};
-for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
 return { program, where };
 }
 function buffer(gl, target, data) {
@@ -3850,6 +3851,7 @@ const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
 const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
 let edges = null; // made when they are first drawn
 const turn = turnOf(Number(original?.dataset.turn ?? 1));
+const margin = mesh.points ? 0.5 : 0; // px that the original reaches beyond the mesh
 let isLoaded = false;
 gl.enableVertexAttribArray(0);
 gl.disable(gl.DITHER);
@@ -3860,7 +3862,8 @@ const high = [Math.fround(view.x), Math.fround(view.y)];
 gl.uniform2f(where.high, high[0], high[1]);
 gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
 gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
-gl.uniform2f(where.full, mesh.width, mesh.height);
+gl.uniform2f(where.full, mesh.width + 2 * margin, mesh.height + 2 * margin);
+gl.uniform1f(where.margin, margin);
 gl.uniformMatrix2fv(where.turn, false, turn);
 gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
 gl.bindBuffer(gl.ARRAY_BUFFER, points);
@@ -4038,11 +4041,11 @@ const now = [event.clientX, event.clientY];
 pointers.set(event.pointerId, now);
 if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
 if (others.length !== 1) return;
-const [still] = others;
+)html"
+R"html(const [still] = others;
 const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
 const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-)html"
-R"html(zoom(span(now) / span(last), x, y);
+zoom(span(now) / span(last), x, y);
 pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
 });
 for (const type of ['pointerup', 'pointercancel'])
@@ -4257,6 +4260,7 @@ inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
+    writer.text(mesh.samples == Samples::points ? ",\"points\":true" : ",\"points\":false");
     writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
     writer.text(",\"data\":\"");
     Base64Sink base64(writer);
@@ -13556,6 +13560,62 @@ template <int C>
     return points;
 }
 
+/// Points on the sides of an image whose samples are points, in the plane where it is fitted (mesh/samples.hpp), as far apart on
+/// the average as those of the image are when there are `count`; half of `count` at most. The vertices of a side alone fit the
+/// samples on it, and chances of the density would leave it some `width * r` of them where a line asks for `width * sqrt(r)`.
+/// They stand on samples, the closer the more the row bends: of r points a px^2 there are the root of r on a px of a line, and r
+/// follows the power 3 / 4 of the bends. O(width + height).
+template <int C>
+[[nodiscard]] HMESH_COLD Array<Point> side_points(const ImageSource<C>& source, double count) {
+    const int width = source.width(), height = source.height();
+    Array<double> bends;  // of the sides, one after another
+    const auto add_side = [&](const Rect& side) {
+        const auto length = static_cast<std::size_t>(std::max(side.width, side.height));
+        const std::size_t first = bends.size();
+        bends.resize(first + length, 0.0);
+        source.with_window(side, [&](const SourceWindow<C>& window) {
+            const auto at = [&](std::size_t k) {
+                const int i = static_cast<int>(std::min(k, length - 1));
+                return window.pixel(side.width > 1 ? side.x + i : side.x, side.width > 1 ? side.y : side.y + i);
+            };
+            for (std::size_t k = 1; k + 1 < length; ++k) {
+                // The second difference of the row smoothed by [1 2 1] / 4, in peaks.
+                const auto bend = (at(k < 2 ? 0 : k - 2) - 2.0 * at(k) + at(k + 2)) * (1 / (4 * source.peak()));
+                double most = 0;
+                for (int c = 0; c < C; ++c) most = std::max(most, std::abs(bend[c]));
+                const double root = std::sqrt(most);
+                bends[first + k] = std::sqrt(root * std::sqrt(root));
+            }
+        });
+    };
+    add_side({0, 0, width, 1});
+    add_side({0, height - 1, width, 1});
+    add_side({0, 0, 1, height});
+    add_side({width - 1, 0, 1, height});
+    double sum = 0;
+    for (const double bend : bends) sum += bend;
+    const auto perimeter = static_cast<double>(bends.size());
+    const double least = sum > 0 ? 0.1 * sum / perimeter : 1;
+    const double wanted = std::min(0.5 * count, perimeter * std::sqrt(count / source.pixels()));
+    const double each = wanted / (sum + least * perimeter);
+    Array<Point> points;
+    double due = 0.5;
+    const auto place = [&](std::size_t k) {
+        const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+        const bool is_row = k < 2 * columns;
+        const std::size_t side = is_row ? k / columns : (k - 2 * columns) / rows;
+        const double along = static_cast<double>(is_row ? k % columns : (k - 2 * columns) % rows) + 0.5;
+        return is_row ? Point{along, side == 0 ? 0.5 : height - 0.5} : Point{side == 0 ? 0.5 : width - 0.5, along};
+    };
+    for (std::size_t k = 0; k < bends.size(); ++k) {
+        due += std::min(1.0, each * (bends[k] + least));
+        if (due < 1) continue;
+        points.push_back(place(k));
+        due -= 1;
+    }
+    return points;
+}
+
 /// The ranks of pixels as points, the least first: the ratios of mask and density.
 [[nodiscard]] HMESH_COLD inline Image<float, 1> point_ranks(Image<float, 1> density, const ParallelFor& parallel_for = {}) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
@@ -14156,21 +14216,23 @@ class AnnealedRun {
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
+        const double count = std::min(most, wanted);
         Array<std::uint32_t> pixels;
-        Array<Point> on_seams;
+        Array<Point> on_lines;
+        const bool has_sides = source.samples() == Samples::points && border_->empty();
+        if (has_sides) on_lines = side_points(source, count);
         if (source.is_read() && source.periodic() == Periodic::none) {
-            const auto count = static_cast<std::size_t>(std::min(most, wanted));
-            pixels = source.calls().points(source, count, tiled_->parallel_for(), go_on);
+            const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));
+            pixels = source.calls().points(source, left, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
         } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
-                on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
-            const double left = std::max(0.0, count - static_cast<double>(on_seams.size()));
+                on_lines = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
+            const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
             if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
             if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
@@ -14178,10 +14240,10 @@ class AnnealedRun {
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
-            if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+            if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             pixels = {};
-            for (const Point p : on_seams) (void)delaunay.insert(p);
+            for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));
