@@ -94,7 +94,8 @@ function compile(gl, vertexShader, fragmentShader) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+  for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight'])
+    where[name] = gl.getUniformLocation(program, name);
   return { program, where };
 }
 

@@ -398,7 +398,8 @@ gl.bindAttribLocation(program, 1, 'stored');
 gl.linkProgram(program);
 if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
 const where = {};
-for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight'])
+where[name] = gl.getUniformLocation(program, name);
 return { program, where };
 }
 function buffer(gl, target, data) {
