@@ -799,15 +799,15 @@ class FunctionRef<Result(Arguments...)> {
 
 #endif  // HMESH_CORE_FUNCTION_REF_HPP
 
-// ---- hmesh/mesh/coded_order.hpp
+// ---- hmesh/core/coded_order.hpp
 
 /// \file
 /// Coded order: things sorted by 64-bit codes.
 ///
 /// Whatever is to be sorted is told as numbers with codes, so that there is one sort to compile. It is a radix sort: O(n) for
 /// each 11 bits in which codes differ, some 3 ns a number, and things of one code stay in their order.
-#ifndef HMESH_MESH_CODED_ORDER_HPP
-#define HMESH_MESH_CODED_ORDER_HPP
+#ifndef HMESH_CORE_CODED_ORDER_HPP
+#define HMESH_CORE_CODED_ORDER_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -885,7 +885,7 @@ template <class Thing>
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_MESH_CODED_ORDER_HPP
+#endif  // HMESH_CORE_CODED_ORDER_HPP
 
 // ---- hmesh/core/lanes.hpp
 
@@ -7001,121 +7001,7 @@ template <class T, int C>
 
 #endif  // HMESH_MESH_IMAGE_HPP
 
-// ---- hmesh/image/weights.hpp
-
-/// \file
-/// Weights: how much each pixel of an image counts.
-///
-/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
-/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
-/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
-/// exact and cancel like those of pixels that all count 1 (WeightScale).
-#ifndef HMESH_IMAGE_WEIGHTS_HPP
-#define HMESH_IMAGE_WEIGHTS_HPP
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::kit {
-
-/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
-/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
-[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
-                                          const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return {};
-    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
-    if (weights.height != height)
-        return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
-    if (const Status status = check(weights); !status) return status;
-    enum Fault : unsigned char { none, negative, not_finite };
-    Array<Fault> faults(static_cast<std::size_t>(height), none);
-    for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            for (int x = 0; x < width; ++x) {
-                if (!is_finite(row[x])) faults[y] = not_finite;
-                else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
-            }
-        }
-    });
-    for (std::size_t y = 0; y < faults.size(); ++y) {
-        const auto row = static_cast<std::int64_t>(y);
-        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
-        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
-    }
-    return {};
-}
-
-/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
-[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return 1;
-    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
-    for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            largest[y] = *std::max_element(row, row + weights.width);
-        }
-    });
-    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
-    return most > 0 ? 1 / most : 1;
-}
-
-/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
-///
-/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
-/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
-/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
-/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
-/// too. Weights below half a step count as 0.
-class WeightScale {
-  public:
-    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
-    WeightScale(double unit, int width, int height) noexcept {
-        const double w = width, h = height, rows = std::min(32, height);
-        int bits = 0;  // of the largest sum
-        (void)std::frexp(rows * w * std::max(w * w / 3, std::max(w * h / 2, h * h)), &bits);
-        const int digits = std::max(8, std::min(24, 53 - bits));
-        step_ = std::ldexp(1.0, -digits);
-        factor_ = std::ldexp(unit, digits);
-    }
-    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
-    /// The weight scaled by the unit and rounded to a multiple of the step.
-    [[nodiscard]] double operator()(float weight) const noexcept {
-        return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
-    }
-    /// Reads weights of an image as a PixelReader does, scaled and rounded.
-    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
-        const float* const from = weights.pixel(x, y);
-        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
-    }
-
-  private:
-    double step_ = 1, factor_ = 1;
-};
-
-/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
-/// number of pixels where there are no weights.
-[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
-                                       const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return static_cast<double>(width) * height;
-    const WeightScale scale(unit, width, height);
-    return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            for (int x = 0; x < width; ++x) sum += scale(row[x]);
-        }
-        return sum;
-    });
-}
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_IMAGE_WEIGHTS_HPP
-
-// ---- hmesh/mesh/raster.hpp
+// ---- hmesh/fit/raster.hpp
 
 /// \file
 /// Rasterization: which pixels a face owns, row by row.
@@ -7124,8 +7010,8 @@ class WeightScale {
 /// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
 /// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
 /// pixel once. Samples that are points lie on the mesh's border too, where the rule has an exception: FarSides.
-#ifndef HMESH_MESH_RASTER_HPP
-#define HMESH_MESH_RASTER_HPP
+#ifndef HMESH_FIT_RASTER_HPP
+#define HMESH_FIT_RASTER_HPP
 
 #include <algorithm>
 #include <limits>
@@ -7252,7 +7138,121 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_MESH_RASTER_HPP
+#endif  // HMESH_FIT_RASTER_HPP
+
+// ---- hmesh/image/weights.hpp
+
+/// \file
+/// Weights: how much each pixel of an image counts.
+///
+/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
+/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
+/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
+/// exact and cancel like those of pixels that all count 1 (WeightScale).
+#ifndef HMESH_IMAGE_WEIGHTS_HPP
+#define HMESH_IMAGE_WEIGHTS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::kit {
+
+/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
+/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
+[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
+                                          const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return {};
+    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
+    if (weights.height != height)
+        return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
+    if (const Status status = check(weights); !status) return status;
+    enum Fault : unsigned char { none, negative, not_finite };
+    Array<Fault> faults(static_cast<std::size_t>(height), none);
+    for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            for (int x = 0; x < width; ++x) {
+                if (!is_finite(row[x])) faults[y] = not_finite;
+                else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
+            }
+        }
+    });
+    for (std::size_t y = 0; y < faults.size(); ++y) {
+        const auto row = static_cast<std::int64_t>(y);
+        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
+        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
+    }
+    return {};
+}
+
+/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
+[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return 1;
+    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
+    for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            largest[y] = *std::max_element(row, row + weights.width);
+        }
+    });
+    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
+    return most > 0 ? 1 / most : 1;
+}
+
+/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
+///
+/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
+/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
+/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
+/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
+/// too. Weights below half a step count as 0.
+class WeightScale {
+  public:
+    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
+    WeightScale(double unit, int width, int height) noexcept {
+        const double w = width, h = height, rows = std::min(32, height);
+        int bits = 0;  // of the largest sum
+        (void)std::frexp(rows * w * std::max(w * w / 3, std::max(w * h / 2, h * h)), &bits);
+        const int digits = std::max(8, std::min(24, 53 - bits));
+        step_ = std::ldexp(1.0, -digits);
+        factor_ = std::ldexp(unit, digits);
+    }
+    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
+    /// The weight scaled by the unit and rounded to a multiple of the step.
+    [[nodiscard]] double operator()(float weight) const noexcept {
+        return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
+    }
+    /// Reads weights of an image as a PixelReader does, scaled and rounded.
+    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
+        const float* const from = weights.pixel(x, y);
+        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
+    }
+
+  private:
+    double step_ = 1, factor_ = 1;
+};
+
+/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
+/// number of pixels where there are no weights.
+[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
+                                       const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return static_cast<double>(width) * height;
+    const WeightScale scale(unit, width, height);
+    return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            for (int x = 0; x < width; ++x) sum += scale(row[x]);
+        }
+        return sum;
+    });
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_IMAGE_WEIGHTS_HPP
 
 // ---- hmesh/fit/moment_table.hpp
 
@@ -7956,88 +7956,6 @@ template <class T, int C>
 
 #endif  // HMESH_IMAGE_PREMULTIPLY_HPP
 
-// ---- hmesh/core/undo_array.hpp
-
-/// \file
-/// UndoArray: an array that can return to an earlier state.
-///
-/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
-/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
-/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
-#ifndef HMESH_CORE_UNDO_ARRAY_HPP
-#define HMESH_CORE_UNDO_ARRAY_HPP
-
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::kit {
-
-/// An array of trivially copyable elements that can return to an earlier state.
-template <class T>
-class UndoArray {
-  public:
-    /// A state to return to, made by mark().
-    struct Mark {
-        std::size_t notes = 0;  ///< number of notes
-        std::size_t size = 0;   ///< number of elements
-    };
-
-    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
-
-    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
-
-    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
-    [[nodiscard]] T& edit(std::size_t i) {
-        if (recording_) note(i);
-        return values_[i];
-    }
-    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
-    [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
-
-    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
-    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
-    /// Sets the number of elements, outside a transaction only. Memory is kept.
-    void resize(std::size_t n) {
-        HMESH_ASSERT(!recording_);
-        values_.resize(n);
-    }
-
-    /// Begins a transaction, or one within it: from here on old values are noted.
-    [[nodiscard]] Mark mark() noexcept {
-        recording_ = true;
-        return {notes_.size(), values_.size()};
-    }
-    /// Returns all elements and the size to what they were at that mark. O(edits since).
-    HMESH_NEVER_INLINE void rollback(const Mark& to) {
-        while (notes_.size() > to.notes) {
-            values_[notes_.back().index] = notes_.back().old;
-            notes_.pop_back();
-        }
-        values_.resize(to.size);
-    }
-    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
-    void stop_recording() noexcept {
-        notes_.clear();
-        recording_ = false;
-    }
-
-  private:
-    struct Note {
-        T old;
-        std::uint32_t index;
-    };
-    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
-
-    Array<T> values_;
-    Array<Note> notes_;
-    bool recording_ = false;
-};
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_CORE_UNDO_ARRAY_HPP
-
 // ---- hmesh/fit/edge_moments.hpp
 
 /// \file
@@ -8609,6 +8527,88 @@ template <int C>
 }  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_RING_HPP
+
+// ---- hmesh/mesh/undo_array.hpp
+
+/// \file
+/// UndoArray: an array that can return to an earlier state.
+///
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
+/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
+/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
+#ifndef HMESH_MESH_UNDO_ARRAY_HPP
+#define HMESH_MESH_UNDO_ARRAY_HPP
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::kit {
+
+/// An array of trivially copyable elements that can return to an earlier state.
+template <class T>
+class UndoArray {
+  public:
+    /// A state to return to, made by mark().
+    struct Mark {
+        std::size_t notes = 0;  ///< number of notes
+        std::size_t size = 0;   ///< number of elements
+    };
+
+    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
+
+    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
+
+    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
+    [[nodiscard]] T& edit(std::size_t i) {
+        if (recording_) note(i);
+        return values_[i];
+    }
+    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
+    [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
+
+    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
+    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
+    /// Sets the number of elements, outside a transaction only. Memory is kept.
+    void resize(std::size_t n) {
+        HMESH_ASSERT(!recording_);
+        values_.resize(n);
+    }
+
+    /// Begins a transaction, or one within it: from here on old values are noted.
+    [[nodiscard]] Mark mark() noexcept {
+        recording_ = true;
+        return {notes_.size(), values_.size()};
+    }
+    /// Returns all elements and the size to what they were at that mark. O(edits since).
+    HMESH_NEVER_INLINE void rollback(const Mark& to) {
+        while (notes_.size() > to.notes) {
+            values_[notes_.back().index] = notes_.back().old;
+            notes_.pop_back();
+        }
+        values_.resize(to.size);
+    }
+    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
+    void stop_recording() noexcept {
+        notes_.clear();
+        recording_ = false;
+    }
+
+  private:
+    struct Note {
+        T old;
+        std::uint32_t index;
+    };
+    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+
+    Array<T> values_;
+    Array<Note> notes_;
+    bool recording_ = false;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_MESH_UNDO_ARRAY_HPP
 
 // ---- hmesh/mesh/halfedge_mesh.hpp
 
@@ -11748,7 +11748,7 @@ template <int C>
 
 #endif  // HMESH_METHODS_ANNEALED_BORDER_HPP
 
-// ---- hmesh/core/indexed_heap.hpp
+// ---- hmesh/edit/indexed_heap.hpp
 
 /// \file
 /// IndexedHeap: a binary min-heap of ids whose keys can change.
@@ -11756,8 +11756,8 @@ template <int C>
 /// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
 /// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
 /// the heap.
-#ifndef HMESH_CORE_INDEXED_HEAP_HPP
-#define HMESH_CORE_INDEXED_HEAP_HPP
+#ifndef HMESH_EDIT_INDEXED_HEAP_HPP
+#define HMESH_EDIT_INDEXED_HEAP_HPP
 
 #include <cstddef>
 #include <cstdint>
@@ -11871,7 +11871,7 @@ class IndexedHeap {
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_CORE_INDEXED_HEAP_HPP
+#endif  // HMESH_EDIT_INDEXED_HEAP_HPP
 
 // ---- hmesh/edit/subdivide.hpp
 
@@ -15951,7 +15951,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 /// \file
 /// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 ///
-/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of fit/raster.hpp, interpolated linearly
 /// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
 /// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
 /// size. Samples that are points (mesh/samples.hpp) are drawn into points: the corners of the mesh are the picture's corner

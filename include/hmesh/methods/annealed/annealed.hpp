@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
@@ -35,7 +36,6 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/ring.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/border.hpp"

@@ -24,13 +24,13 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/periodic.hpp"
 
