@@ -1,11 +1,13 @@
 // terrain: meshes within a bound by each effort of Bounded, as a Markdown table for each heightmap.
 //
 //     terrain [--percent 10,5,2,1,0.5] [--effort draft,fast,normal,best] [--samples points|squares] [--free-borders]
-//             [--repeat 1] FILE.pgm...
+//             [--mosaic COLUMNSxROWS] [--repeat 1] FILE.pgm...
 //
 // Files are binary PGM of 8 or 16 bits. A row is a bound, in percent of the range of the heightmap, and in stored values; columns
 // are for each effort the triangles, their ratio to those of greedy insertion (draft), and processor seconds and microseconds a
 // sample, the least of `repeat` runs. All four come from one run in turn; the last column says whether each kept its bound.
+//
+// --mosaic meshes so many copies of the heightmap in its place, every second one mirrored, so that no cliff is between them.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -42,6 +44,16 @@ bool read(const std::string& name, hmesh::Image<std::uint16_t, 1>& image) {
     return true;
 }
 
+// Copies of a heightmap side by side, every second one mirrored.
+hmesh::Image<std::uint16_t, 1> mosaic_of(const hmesh::Image<std::uint16_t, 1>& tile, int columns, int rows) {
+    hmesh::Image<std::uint16_t, 1> mosaic(columns * tile.width(), rows * tile.height());
+    const auto place = [](int k, int size) { return k / size % 2 == 0 ? k % size : size - 1 - k % size; };
+    for (int y = 0; y < mosaic.height(); ++y)
+        for (int x = 0; x < mosaic.width(); ++x)
+            *mosaic.pixel(x, y) = *tile.pixel(place(x, tile.width()), place(y, tile.height()));
+    return mosaic;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -52,7 +64,7 @@ int main(int argc, char** argv) {
     hmesh::Options options;
     options.samples = hmesh::Samples::points;
     hmesh::Bounded recipe;
-    int repeat = 1;
+    int repeat = 1, columns = 1, rows = 1;
     std::vector<std::string> files;
     for (int i = 1; i < argc; ++i) {
         const std::string word = argv[i];
@@ -62,13 +74,15 @@ int main(int argc, char** argv) {
         else if (word == "--samples" && has_value)
             options.samples = std::string(argv[++i]) == "squares" ? hmesh::Samples::squares : hmesh::Samples::points;
         else if (word == "--repeat" && has_value) repeat = std::max(1, std::atoi(argv[++i]));
+        else if (word == "--mosaic" && has_value && std::sscanf(argv[++i], "%4dx%4d", &columns, &rows) == 2)
+            columns = std::max(1, columns), rows = std::max(1, rows);
         else if (word == "--free-borders") recipe.free_borders = true;
         else files.push_back(word);
     }
     if (files.empty() || files[0].rfind("--", 0) == 0) {
         std::fprintf(stderr,
                      "usage: terrain [--percent 10,5,2,1,0.5] [--effort draft,fast,normal,best] [--samples points] "
-                     "[--free-borders] [--repeat 1] FILE.pgm...\n");
+                     "[--free-borders] [--mosaic 1x1] [--repeat 1] FILE.pgm...\n");
         return 2;
     }
     const std::vector<std::string> efforts = bench::split(wanted);
@@ -78,6 +92,7 @@ int main(int argc, char** argv) {
             std::fprintf(stderr, "terrain: %s: not a binary PGM\n", file.c_str());
             return 1;
         }
+        if (columns > 1 || rows > 1) image = mosaic_of(image, columns, rows);
         const auto [low, high] = std::minmax_element(image.data(), image.data() + image.size());
         const double range = *high - *low;
         std::printf("\n%s, %d x %d, range %g\n\n| %% | bound |", file.c_str(), image.width(), image.height(), range);

@@ -799,15 +799,15 @@ class FunctionRef<Result(Arguments...)> {
 
 #endif  // HMESH_CORE_FUNCTION_REF_HPP
 
-// ---- hmesh/mesh/coded_order.hpp
+// ---- hmesh/core/coded_order.hpp
 
 /// \file
 /// Coded order: things sorted by 64-bit codes.
 ///
 /// Whatever is to be sorted is told as numbers with codes, so that there is one sort to compile. It is a radix sort: O(n) for
 /// each 11 bits in which codes differ, some 3 ns a number, and things of one code stay in their order.
-#ifndef HMESH_MESH_CODED_ORDER_HPP
-#define HMESH_MESH_CODED_ORDER_HPP
+#ifndef HMESH_CORE_CODED_ORDER_HPP
+#define HMESH_CORE_CODED_ORDER_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -885,7 +885,7 @@ template <class Thing>
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_MESH_CODED_ORDER_HPP
+#endif  // HMESH_CORE_CODED_ORDER_HPP
 
 // ---- hmesh/core/lanes.hpp
 
@@ -3738,9 +3738,10 @@ varying vec4 color;
 void main() { color = stored; gl_Position = place(); }`,
 picture: `${toCanvas}
 uniform vec2 full;
+uniform float margin;
 uniform mat2 turn;
 varying vec2 q;
-void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
+void main() { q = turn * ((at + margin) / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
 faces: `
@@ -3803,7 +3804,8 @@ gl.bindAttribLocation(program, 1, 'stored');
 gl.linkProgram(program);
 if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
 const where = {};
-for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight'])
+where[name] = gl.getUniformLocation(program, name);
 return { program, where };
 }
 function buffer(gl, target, data) {
@@ -3850,6 +3852,7 @@ const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
 const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
 let edges = null; // made when they are first drawn
 const turn = turnOf(Number(original?.dataset.turn ?? 1));
+const margin = mesh.points ? 0.5 : 0; // px that the original reaches beyond the mesh
 let isLoaded = false;
 gl.enableVertexAttribArray(0);
 gl.disable(gl.DITHER);
@@ -3860,7 +3863,8 @@ const high = [Math.fround(view.x), Math.fround(view.y)];
 gl.uniform2f(where.high, high[0], high[1]);
 gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
 gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
-gl.uniform2f(where.full, mesh.width, mesh.height);
+gl.uniform2f(where.full, mesh.width + 2 * margin, mesh.height + 2 * margin);
+gl.uniform1f(where.margin, margin);
 gl.uniformMatrix2fv(where.turn, false, turn);
 gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
 gl.bindBuffer(gl.ARRAY_BUFFER, points);
@@ -4038,11 +4042,11 @@ const now = [event.clientX, event.clientY];
 pointers.set(event.pointerId, now);
 if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
 if (others.length !== 1) return;
-const [still] = others;
+)html"
+R"html(const [still] = others;
 const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
 const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-)html"
-R"html(zoom(span(now) / span(last), x, y);
+zoom(span(now) / span(last), x, y);
 pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
 });
 for (const type of ['pointerup', 'pointercancel'])
@@ -4257,6 +4261,7 @@ inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
+    writer.text(mesh.samples == Samples::points ? ",\"points\":true" : ",\"points\":false");
     writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
     writer.text(",\"data\":\"");
     Base64Sink base64(writer);
@@ -6996,121 +7001,7 @@ template <class T, int C>
 
 #endif  // HMESH_MESH_IMAGE_HPP
 
-// ---- hmesh/image/weights.hpp
-
-/// \file
-/// Weights: how much each pixel of an image counts.
-///
-/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
-/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
-/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
-/// exact and cancel like those of pixels that all count 1 (WeightScale).
-#ifndef HMESH_IMAGE_WEIGHTS_HPP
-#define HMESH_IMAGE_WEIGHTS_HPP
-
-#include <algorithm>
-#include <cmath>
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::kit {
-
-/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
-/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
-[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
-                                          const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return {};
-    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
-    if (weights.height != height)
-        return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
-    if (const Status status = check(weights); !status) return status;
-    enum Fault : unsigned char { none, negative, not_finite };
-    Array<Fault> faults(static_cast<std::size_t>(height), none);
-    for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            for (int x = 0; x < width; ++x) {
-                if (!is_finite(row[x])) faults[y] = not_finite;
-                else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
-            }
-        }
-    });
-    for (std::size_t y = 0; y < faults.size(); ++y) {
-        const auto row = static_cast<std::int64_t>(y);
-        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
-        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
-    }
-    return {};
-}
-
-/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
-[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return 1;
-    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
-    for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            largest[y] = *std::max_element(row, row + weights.width);
-        }
-    });
-    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
-    return most > 0 ? 1 / most : 1;
-}
-
-/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
-///
-/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
-/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
-/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
-/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
-/// too. Weights below half a step count as 0.
-class WeightScale {
-  public:
-    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
-    WeightScale(double unit, int width, int height) noexcept {
-        const double w = width, h = height, rows = std::min(32, height);
-        int bits = 0;  // of the largest sum
-        (void)std::frexp(rows * w * std::max(w * w / 3, std::max(w * h / 2, h * h)), &bits);
-        const int digits = std::max(8, std::min(24, 53 - bits));
-        step_ = std::ldexp(1.0, -digits);
-        factor_ = std::ldexp(unit, digits);
-    }
-    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
-    /// The weight scaled by the unit and rounded to a multiple of the step.
-    [[nodiscard]] double operator()(float weight) const noexcept {
-        return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
-    }
-    /// Reads weights of an image as a PixelReader does, scaled and rounded.
-    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
-        const float* const from = weights.pixel(x, y);
-        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
-    }
-
-  private:
-    double step_ = 1, factor_ = 1;
-};
-
-/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
-/// number of pixels where there are no weights.
-[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
-                                       const ParallelFor& parallel_for = {}) {
-    if (weights.data == nullptr) return static_cast<double>(width) * height;
-    const WeightScale scale(unit, width, height);
-    return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
-        double sum = 0;
-        for (std::size_t y = begin; y < end; ++y) {
-            const float* row = weights.row(static_cast<int>(y));
-            for (int x = 0; x < width; ++x) sum += scale(row[x]);
-        }
-        return sum;
-    });
-}
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_IMAGE_WEIGHTS_HPP
-
-// ---- hmesh/mesh/raster.hpp
+// ---- hmesh/fit/raster.hpp
 
 /// \file
 /// Rasterization: which pixels a face owns, row by row.
@@ -7119,8 +7010,8 @@ class WeightScale {
 /// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
 /// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
 /// pixel once. Samples that are points lie on the mesh's border too, where the rule has an exception: FarSides.
-#ifndef HMESH_MESH_RASTER_HPP
-#define HMESH_MESH_RASTER_HPP
+#ifndef HMESH_FIT_RASTER_HPP
+#define HMESH_FIT_RASTER_HPP
 
 #include <algorithm>
 #include <limits>
@@ -7247,7 +7138,121 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_MESH_RASTER_HPP
+#endif  // HMESH_FIT_RASTER_HPP
+
+// ---- hmesh/image/weights.hpp
+
+/// \file
+/// Weights: how much each pixel of an image counts.
+///
+/// Weights are a second image of the same size with one float >= 0 a pixel; a view without data means that all pixels count the
+/// same. Their unit is free: weight_unit() scales the largest to 1, so that what is measured in pixels (ridges, mean energies)
+/// keeps its meaning. Scaled weights are rounded to a step, a power of two between 2^-24 and 2^-8, so that sums over them are
+/// exact and cancel like those of pixels that all count 1 (WeightScale).
+#ifndef HMESH_IMAGE_WEIGHTS_HPP
+#define HMESH_IMAGE_WEIGHTS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::kit {
+
+/// Whether `weights` can be the weights of a width x height image: none at all, or a view of this size that check() accepts
+/// with finite samples >= 0. Otherwise invalid_argument, image_too_large or not_finite. Reads each sample once.
+[[nodiscard]] inline Status check_weights(const ImageView<float, 1>& weights, int width, int height,
+                                          const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return {};
+    if (weights.width != width) return {Errc::invalid_argument, "the weights are not as wide as the image", weights.width, width};
+    if (weights.height != height)
+        return {Errc::invalid_argument, "the weights are not as high as the image", weights.height, height};
+    if (const Status status = check(weights); !status) return status;
+    enum Fault : unsigned char { none, negative, not_finite };
+    Array<Fault> faults(static_cast<std::size_t>(height), none);
+    for_each_chunk(parallel_for, faults.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            for (int x = 0; x < width; ++x) {
+                if (!is_finite(row[x])) faults[y] = not_finite;
+                else if (row[x] < 0 && faults[y] == none) faults[y] = negative;
+            }
+        }
+    });
+    for (std::size_t y = 0; y < faults.size(); ++y) {
+        const auto row = static_cast<std::int64_t>(y);
+        if (faults[y] == not_finite) return {Errc::not_finite, "the weights have one that is NaN or infinite, in row", row, 0};
+        if (faults[y] == negative) return {Errc::invalid_argument, "the weights have one that is negative, in row", row, 0};
+    }
+    return {};
+}
+
+/// 1 / the largest weight; 1 where there are no weights or all are 0. check_weights() must accept the weights.
+[[nodiscard]] inline double weight_unit(const ImageView<float, 1>& weights, const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return 1;
+    Array<float> largest(static_cast<std::size_t>(weights.height), 0.0F);
+    for_each_chunk(parallel_for, largest.size(), 32, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            largest[y] = *std::max_element(row, row + weights.width);
+        }
+    });
+    const auto most = static_cast<double>(*std::max_element(largest.begin(), largest.end()));
+    return most > 0 ? 1 / most : 1;
+}
+
+/// The number of pixels that a pixel with a given weight counts for: the weight times a unit, rounded to a multiple of step().
+///
+/// Unrounded, the moments of a face would keep the rounding of the sums over all pixels to its left. Its energy multiplies them
+/// by the squares of the picture's slopes, so slivers, whose slopes reach 1e4 a pixel, would win by rounding alone. The step is
+/// as fine as keeps the sums of w x^2, w x y and w y^2 along edges that cross at most 32 rows of the image below 2^53 steps
+/// (sums along longer ones may be rounded): 2^-20 at 512 x 512 px, 2^-12 at 4000 x 3000. Sums of 8-bit samples are then exact
+/// too. Weights below half a step count as 0.
+class WeightScale {
+  public:
+    /// The scale for the weights of a width x height image; `unit` as by weight_unit().
+    WeightScale(double unit, int width, int height) noexcept {
+        const double w = width, h = height, rows = std::min(32, height);
+        int bits = 0;  // of the largest sum
+        (void)std::frexp(rows * w * std::max(w * w / 3, std::max(w * h / 2, h * h)), &bits);
+        const int digits = std::max(8, std::min(24, 53 - bits));
+        step_ = std::ldexp(1.0, -digits);
+        factor_ = std::ldexp(unit, digits);
+    }
+    [[nodiscard]] double step() const noexcept { return step_; }  ///< the step, a power of two
+    /// The weight scaled by the unit and rounded to a multiple of the step.
+    [[nodiscard]] double operator()(float weight) const noexcept {
+        return std::floor(factor_ * static_cast<double>(weight) + 0.5) * step_;
+    }
+    /// Reads weights of an image as a PixelReader does, scaled and rounded.
+    void read(const ImageView<float, 1>& weights, int x, int y, int count, double* to) const noexcept {
+        const float* const from = weights.pixel(x, y);
+        for (int i = 0; i < count; ++i) to[i] = (*this)(from[i]);
+    }
+
+  private:
+    double step_ = 1, factor_ = 1;
+};
+
+/// How many pixels of a width x height image count: the sum of its weights as rounded by WeightScale, added row by row; the
+/// number of pixels where there are no weights.
+[[nodiscard]] inline double weight_sum(const ImageView<float, 1>& weights, double unit, int width, int height,
+                                       const ParallelFor& parallel_for = {}) {
+    if (weights.data == nullptr) return static_cast<double>(width) * height;
+    const WeightScale scale(unit, width, height);
+    return ordered_sum(parallel_for, static_cast<std::size_t>(height), 32, [&](std::size_t begin, std::size_t end) {
+        double sum = 0;
+        for (std::size_t y = begin; y < end; ++y) {
+            const float* row = weights.row(static_cast<int>(y));
+            for (int x = 0; x < width; ++x) sum += scale(row[x]);
+        }
+        return sum;
+    });
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_IMAGE_WEIGHTS_HPP
 
 // ---- hmesh/fit/moment_table.hpp
 
@@ -7951,88 +7956,6 @@ template <class T, int C>
 
 #endif  // HMESH_IMAGE_PREMULTIPLY_HPP
 
-// ---- hmesh/core/undo_array.hpp
-
-/// \file
-/// UndoArray: an array that can return to an earlier state.
-///
-/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
-/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
-/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
-#ifndef HMESH_CORE_UNDO_ARRAY_HPP
-#define HMESH_CORE_UNDO_ARRAY_HPP
-
-#include <cstddef>
-#include <cstdint>
-
-namespace hmesh::kit {
-
-/// An array of trivially copyable elements that can return to an earlier state.
-template <class T>
-class UndoArray {
-  public:
-    /// A state to return to, made by mark().
-    struct Mark {
-        std::size_t notes = 0;  ///< number of notes
-        std::size_t size = 0;   ///< number of elements
-    };
-
-    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
-    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
-
-    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
-
-    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
-    [[nodiscard]] T& edit(std::size_t i) {
-        if (recording_) note(i);
-        return values_[i];
-    }
-    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
-    [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
-
-    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
-    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
-    /// Sets the number of elements, outside a transaction only. Memory is kept.
-    void resize(std::size_t n) {
-        HMESH_ASSERT(!recording_);
-        values_.resize(n);
-    }
-
-    /// Begins a transaction, or one within it: from here on old values are noted.
-    [[nodiscard]] Mark mark() noexcept {
-        recording_ = true;
-        return {notes_.size(), values_.size()};
-    }
-    /// Returns all elements and the size to what they were at that mark. O(edits since).
-    HMESH_NEVER_INLINE void rollback(const Mark& to) {
-        while (notes_.size() > to.notes) {
-            values_[notes_.back().index] = notes_.back().old;
-            notes_.pop_back();
-        }
-        values_.resize(to.size);
-    }
-    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
-    void stop_recording() noexcept {
-        notes_.clear();
-        recording_ = false;
-    }
-
-  private:
-    struct Note {
-        T old;
-        std::uint32_t index;
-    };
-    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
-
-    Array<T> values_;
-    Array<Note> notes_;
-    bool recording_ = false;
-};
-
-}  // namespace hmesh::kit
-
-#endif  // HMESH_CORE_UNDO_ARRAY_HPP
-
 // ---- hmesh/fit/edge_moments.hpp
 
 /// \file
@@ -8604,6 +8527,88 @@ template <int C>
 }  // namespace hmesh::kit
 
 #endif  // HMESH_FIT_RING_HPP
+
+// ---- hmesh/mesh/undo_array.hpp
+
+/// \file
+/// UndoArray: an array that can return to an earlier state.
+///
+/// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
+/// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
+/// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
+#ifndef HMESH_MESH_UNDO_ARRAY_HPP
+#define HMESH_MESH_UNDO_ARRAY_HPP
+
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::kit {
+
+/// An array of trivially copyable elements that can return to an earlier state.
+template <class T>
+class UndoArray {
+  public:
+    /// A state to return to, made by mark().
+    struct Mark {
+        std::size_t notes = 0;  ///< number of notes
+        std::size_t size = 0;   ///< number of elements
+    };
+
+    [[nodiscard]] std::size_t size() const noexcept { return values_.size(); }              ///< number of elements
+    [[nodiscard]] const T& operator[](std::size_t i) const noexcept { return values_[i]; }  ///< element i, for reading
+
+    [[nodiscard]] const Array<T>& values() const noexcept { return values_; }  ///< all elements, for reading
+
+    /// Element i for writing; its old value is noted while recording. The reference is valid until the next push_back().
+    [[nodiscard]] T& edit(std::size_t i) {
+        if (recording_) note(i);
+        return values_[i];
+    }
+    /// Element i for writing, never undone: for building a mesh, or for writing distinct elements from many threads.
+    [[nodiscard]] T& raw(std::size_t i) noexcept { return values_[i]; }
+
+    void push_back(const T& value) { values_.push_back(value); }  ///< adds an element; undone by dropping it
+    void reserve(std::size_t n) { values_.reserve(n); }           ///< memory for n elements
+    /// Sets the number of elements, outside a transaction only. Memory is kept.
+    void resize(std::size_t n) {
+        HMESH_ASSERT(!recording_);
+        values_.resize(n);
+    }
+
+    /// Begins a transaction, or one within it: from here on old values are noted.
+    [[nodiscard]] Mark mark() noexcept {
+        recording_ = true;
+        return {notes_.size(), values_.size()};
+    }
+    /// Returns all elements and the size to what they were at that mark. O(edits since).
+    HMESH_NEVER_INLINE void rollback(const Mark& to) {
+        while (notes_.size() > to.notes) {
+            values_[notes_.back().index] = notes_.back().old;
+            notes_.pop_back();
+        }
+        values_.resize(to.size);
+    }
+    /// Ends the outermost transaction: forgets all notes. The elements stay as they are.
+    void stop_recording() noexcept {
+        notes_.clear();
+        recording_ = false;
+    }
+
+  private:
+    struct Note {
+        T old;
+        std::uint32_t index;
+    };
+    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+
+    Array<T> values_;
+    Array<Note> notes_;
+    bool recording_ = false;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_MESH_UNDO_ARRAY_HPP
 
 // ---- hmesh/mesh/halfedge_mesh.hpp
 
@@ -11743,7 +11748,7 @@ template <int C>
 
 #endif  // HMESH_METHODS_ANNEALED_BORDER_HPP
 
-// ---- hmesh/core/indexed_heap.hpp
+// ---- hmesh/edit/indexed_heap.hpp
 
 /// \file
 /// IndexedHeap: a binary min-heap of ids whose keys can change.
@@ -11751,8 +11756,8 @@ template <int C>
 /// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
 /// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
 /// the heap.
-#ifndef HMESH_CORE_INDEXED_HEAP_HPP
-#define HMESH_CORE_INDEXED_HEAP_HPP
+#ifndef HMESH_EDIT_INDEXED_HEAP_HPP
+#define HMESH_EDIT_INDEXED_HEAP_HPP
 
 #include <cstddef>
 #include <cstdint>
@@ -11866,7 +11871,7 @@ class IndexedHeap {
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_CORE_INDEXED_HEAP_HPP
+#endif  // HMESH_EDIT_INDEXED_HEAP_HPP
 
 // ---- hmesh/edit/subdivide.hpp
 
@@ -13556,6 +13561,62 @@ template <int C>
     return points;
 }
 
+/// Points on the sides of an image whose samples are points, in the plane where it is fitted (mesh/samples.hpp), as far apart on
+/// the average as those of the image are when there are `count`; half of `count` at most. The vertices of a side alone fit the
+/// samples on it, and chances of the density would leave it some `width * r` of them where a line asks for `width * sqrt(r)`.
+/// They stand on samples, the closer the more the row bends: of r points a px^2 there are the root of r on a px of a line, and r
+/// follows the power 3 / 4 of the bends. O(width + height).
+template <int C>
+[[nodiscard]] HMESH_COLD Array<Point> side_points(const ImageSource<C>& source, double count) {
+    const int width = source.width(), height = source.height();
+    Array<double> bends;  // of the sides, one after another
+    const auto add_side = [&](const Rect& side) {
+        const auto length = static_cast<std::size_t>(std::max(side.width, side.height));
+        const std::size_t first = bends.size();
+        bends.resize(first + length, 0.0);
+        source.with_window(side, [&](const SourceWindow<C>& window) {
+            const auto at = [&](std::size_t k) {
+                const int i = static_cast<int>(std::min(k, length - 1));
+                return window.pixel(side.width > 1 ? side.x + i : side.x, side.width > 1 ? side.y : side.y + i);
+            };
+            for (std::size_t k = 1; k + 1 < length; ++k) {
+                // The second difference of the row smoothed by [1 2 1] / 4, in peaks.
+                const auto bend = (at(k < 2 ? 0 : k - 2) - 2.0 * at(k) + at(k + 2)) * (1 / (4 * source.peak()));
+                double most = 0;
+                for (int c = 0; c < C; ++c) most = std::max(most, std::abs(bend[c]));
+                const double root = std::sqrt(most);
+                bends[first + k] = std::sqrt(root * std::sqrt(root));
+            }
+        });
+    };
+    add_side({0, 0, width, 1});
+    add_side({0, height - 1, width, 1});
+    add_side({0, 0, 1, height});
+    add_side({width - 1, 0, 1, height});
+    double sum = 0;
+    for (const double bend : bends) sum += bend;
+    const auto perimeter = static_cast<double>(bends.size());
+    const double least = sum > 0 ? 0.1 * sum / perimeter : 1;
+    const double wanted = std::min(0.5 * count, perimeter * std::sqrt(count / source.pixels()));
+    const double each = wanted / (sum + least * perimeter);
+    Array<Point> points;
+    double due = 0.5;
+    const auto place = [&](std::size_t k) {
+        const auto columns = static_cast<std::size_t>(width), rows = static_cast<std::size_t>(height);
+        const bool is_row = k < 2 * columns;
+        const std::size_t side = is_row ? k / columns : (k - 2 * columns) / rows;
+        const double along = static_cast<double>(is_row ? k % columns : (k - 2 * columns) % rows) + 0.5;
+        return is_row ? Point{along, side == 0 ? 0.5 : height - 0.5} : Point{side == 0 ? 0.5 : width - 0.5, along};
+    };
+    for (std::size_t k = 0; k < bends.size(); ++k) {
+        due += std::min(1.0, each * (bends[k] + least));
+        if (due < 1) continue;
+        points.push_back(place(k));
+        due -= 1;
+    }
+    return points;
+}
+
 /// The ranks of pixels as points, the least first: the ratios of mask and density.
 [[nodiscard]] HMESH_COLD inline Image<float, 1> point_ranks(Image<float, 1> density, const ParallelFor& parallel_for = {}) {
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
@@ -14156,21 +14217,23 @@ class AnnealedRun {
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
+        const double count = std::min(most, wanted);
         Array<std::uint32_t> pixels;
-        Array<Point> on_seams;
+        Array<Point> on_lines;
+        const bool has_sides = source.samples() == Samples::points && border_->empty();
+        if (has_sides) on_lines = side_points(source, count);
         if (source.is_read() && source.periodic() == Periodic::none) {
-            const auto count = static_cast<std::size_t>(std::min(most, wanted));
-            pixels = source.calls().points(source, count, tiled_->parallel_for(), go_on);
+            const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));
+            pixels = source.calls().points(source, left, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
         } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
-                on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
-            const double left = std::max(0.0, count - static_cast<double>(on_seams.size()));
+                on_lines = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
+            const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
             if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
             if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
@@ -14178,10 +14241,10 @@ class AnnealedRun {
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
-            if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+            if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             pixels = {};
-            for (const Point p : on_seams) (void)delaunay.insert(p);
+            for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));
@@ -15888,7 +15951,7 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 /// \file
 /// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 ///
-/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of fit/raster.hpp, interpolated linearly
 /// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
 /// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
 /// size. Samples that are points (mesh/samples.hpp) are drawn into points: the corners of the mesh are the picture's corner

@@ -1,4 +1,4 @@
-#include "hmesh/mesh/coded_order.hpp"
+#include "hmesh/core/coded_order.hpp"
 
 #include <doctest/doctest.h>
 

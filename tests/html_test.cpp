@@ -109,9 +109,18 @@ TEST_CASE("a mesh of two faces is embedded as these bytes") {
     hmesh::Mesh mesh = two_faces(3);
     mesh.colors = {0, 128, 255, 1, 2, 3, -5, 300, 99.5F, 99.4F, 0.4F, 254.6F};
     const std::string data = between(written(mesh.view()), "<script id=\"data\" type=\"application/json\">", "</script>");
-    CHECK(data ==
-          "{\"width\":3,\"height\":2,\"channels\":3,\"vertices\":4,\"faces\":2,\"premultiplied\":false,\"data\":\""
-          "AAAAAAAAAAAAAEBAAAAAAAAAQEAAAABAAAAAAAAAAEAAAAEAAgAAAAIAAwAAgP8BAgMA/2RjAP8=\"}");
+    CHECK(
+        data ==
+        "{\"width\":3,\"height\":2,\"channels\":3,\"vertices\":4,\"faces\":2,\"points\":false,\"premultiplied\":false,\"data\":\""
+        "AAAAAAAAAAAAAEBAAAAAAAAAQEAAAABAAAAAAAAAAEAAAAEAAgAAAAIAAwAAgP8BAgMA/2RjAP8=\"}");
+}
+
+TEST_CASE("a page of points says so, whose original reaches half a sample beyond the mesh") {
+    hmesh::Mesh mesh = two_faces(3);
+    mesh.width = 4, mesh.height = 3;
+    mesh.samples = hmesh::Samples::points;
+    CHECK(between(written(mesh.view()), "<script id=\"data\" type=\"application/json\">{", ",\"premultiplied") ==
+          "\"width\":3,\"height\":2,\"channels\":3,\"vertices\":4,\"faces\":2,\"points\":true");
 }
 
 TEST_CASE("the base64 text decodes to the mesh, for 1, 3 and 4 channels") {

@@ -1,4 +1,4 @@
-#include "hmesh/core/indexed_heap.hpp"
+#include "hmesh/edit/indexed_heap.hpp"
 
 #include <doctest/doctest.h>
 

@@ -10,7 +10,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/mesh/raster.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/solve/eigen.hpp"
 #include "jittered_mesh.hpp"
 

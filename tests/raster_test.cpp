@@ -1,4 +1,4 @@
-#include "hmesh/mesh/raster.hpp"
+#include "hmesh/fit/raster.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,4 +1,4 @@
-#include "hmesh/core/undo_array.hpp"
+#include "hmesh/mesh/undo_array.hpp"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,8 @@
 // Draws a mesh, its edges and the original picture by WebGL 1. It knows neither the window nor its events.
 //
-// A mesh is {width, height, channels, vertices, faces, premultiplied, data}: its size in px, what there is of each, whether
-// colors are stored multiplied by alpha, and base64 of positions, faces and colors, as write_html() in io/html.hpp says.
+// A mesh is {width, height, channels, vertices, faces, points, premultiplied, data}: its size in px, what there is of each,
+// whether the original's pixels are samples at whole places, of which the outermost lie half outside, whether colors are stored
+// multiplied by alpha, and base64 of positions, faces and colors, as write_html() in io/html.hpp says.
 // A view is {x, y, scale, wires, share, ground}: the place in px of the mesh that is in the center of the canvas, how many px of
 // the canvas a px of the mesh takes, whether edges are drawn, how much of the picture shows the original, 0 to 1 from the right,
 // and the color around the picture.
@@ -19,9 +20,10 @@ const vertexShaders = {
     void main() { color = stored; gl_Position = place(); }`,
   picture: `${toCanvas}
     uniform vec2 full;
+    uniform float margin;
     uniform mat2 turn;
     varying vec2 q;
-    void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
+    void main() { q = turn * ((at + margin) / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
   // What is drawn is premultiplied; `straight` is 1 where the mesh is not, else 0.
@@ -92,7 +94,8 @@ function compile(gl, vertexShader, fragmentShader) {
   gl.linkProgram(program);
   if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
   const where = {};
-  for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+  for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight'])
+    where[name] = gl.getUniformLocation(program, name);
   return { program, where };
 }
 
@@ -149,6 +152,7 @@ export function createPainter(gl, mesh, original) {
   const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
   let edges = null; // made when they are first drawn
   const turn = turnOf(Number(original?.dataset.turn ?? 1));
+  const margin = mesh.points ? 0.5 : 0; // px that the original reaches beyond the mesh
   let isLoaded = false;
   gl.enableVertexAttribArray(0);
   gl.disable(gl.DITHER);
@@ -160,7 +164,8 @@ export function createPainter(gl, mesh, original) {
     gl.uniform2f(where.high, high[0], high[1]);
     gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
     gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
-    gl.uniform2f(where.full, mesh.width, mesh.height);
+    gl.uniform2f(where.full, mesh.width + 2 * margin, mesh.height + 2 * margin);
+    gl.uniform1f(where.margin, margin);
     gl.uniformMatrix2fv(where.turn, false, turn);
     gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
     gl.bindBuffer(gl.ARRAY_BUFFER, points);

@@ -1,7 +1,7 @@
 /// \file
 /// render(): draws a mesh into an image of any size, pixel for pixel as a GPU does; with psnr() and to_pixels().
 ///
-/// A pixel takes the colour of the face that holds its centre, by the top-left rule of mesh/raster.hpp, interpolated linearly
+/// A pixel takes the colour of the face that holds its centre, by the top-left rule of fit/raster.hpp, interpolated linearly
 /// (Gouraud) at that centre. At the mesh's own size these are the very pixels that were counted when the mesh was fitted. Each
 /// edge is evaluated from its upper to its lower end, so that the two faces beside it agree to the bit and leave no gap at any
 /// size. Samples that are points (mesh/samples.hpp) are drawn into points: the corners of the mesh are the picture's corner
@@ -24,10 +24,10 @@
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
-#include "hmesh/mesh/raster.hpp"
 #include "hmesh/mesh/unrolled.hpp"
 
 #include "hmesh/core/macros/push.hpp"

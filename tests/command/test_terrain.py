@@ -507,7 +507,7 @@ def test_help_names_every_option_and_version_what_reads(terrain):
     for option in ["--output", "--max-error", "--effort", "--tiles", "--resume", "--vertices", "--percent", "--no-data", "--scale", "--z-scale",
                    "--offset", "--no-normals", "--base", "--extent", "--jobs", "--report", "--quiet", "--help", "--version", "--size",
                    "--type", "--only", "--list", "--spacing", "--heights", "--no-gdal", "--free-borders",
-                   "--border-tolerance"]:
+                   "--border-tolerance", "--man", "--completion"]:
         assert re.search(rf"^  (-\w,)?{option}\b", text, re.M), option
     assert max(map(len, text.splitlines())) <= 132
     assert re.match(r"hmesh-terrain \d+\.\d+\.\d+\nreads\n", terrain.done("--version"))

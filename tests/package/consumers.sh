@@ -154,8 +154,11 @@ case $way in
         # As if they had been built.
         program "$work/hmesh/bin/hmesh"
         program "$work/hmesh/bin/hmesh-terrain"
-        mkdir "$work/hmesh/tools/hmesh/words"
+        mkdir "$work/hmesh/tools/hmesh/words" "$work/hmesh/tools/terrain/words"
         for words in hmesh.1 hmesh.bash _hmesh hmesh.fish; do echo >"$work/hmesh/tools/hmesh/words/$words"; done
+        for words in hmesh-terrain.1 hmesh-terrain.bash _hmesh-terrain hmesh-terrain.fish; do
+            echo >"$work/hmesh/tools/terrain/words/$words"
+        done
         "$cmake" --install "$work/hmesh" --prefix "$work/installed"
         mv "$work/installed" "$work/prefix"  # which makes no difference
         [ "$(cd "$work/prefix" && echo *)" = "data headers manuals papers programs" ] || fail "other folders than those wanted"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "arguments/command_words.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
@@ -16,25 +17,30 @@ namespace {
 using tool::add;
 using tool::add_name;
 
-// What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
-struct Question {
-    bool is_help;  // else for the version
-};
+constexpr tool::Note notes[] = {
+    {"Local metres",
+     "+x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
+     "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree\n"
+     "in the middle of the file, for all of it: reproject what is larger than some hundred kilometres."},
+    {"Tiles",
+     "with a bound, or --border-tolerance, neighbours have the same vertices and normals along their common row bit for\n"
+     "bit, each made without the other: in one run, in several at once on many machines (--only), or after a crash (--resume)."},
+    {"Jobs", "models that are more than one run's work, on one machine or many: hmesh-terrain job --help."},
+    {"Examples",
+     "  hmesh-terrain dem.tif -o terrain.glb --max-error 2\n"
+     "  hmesh-terrain dem.tif -o tiles/t.terrain --max-error 2 --tiles 512 --resume --report tiles.json\n"
+     "  hmesh-terrain dem.tif --tiles 512 --list | parallel hmesh-terrain dem.tif -o t.ply --max-error 2 --tiles 512 --only {}\n"
+     "  hmesh-terrain N45E006.hgt -o model.stl --max-error 5 --scale 0.001 --z-scale 2 --base 0\n"
+     "  hmesh-terrain heights.r16 --size 1025x1025 --type uint16 --spacing 2 -o terrain.obj --vertices 20000"},
+    {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
 
-constexpr char footer[] =
-    "Local metres: +x is the east, +y the north and +z up (.glb: -z the north and +y up), from the south-western sample of the\n"
-    "whole file; heights are its own. --report says where on the map that is. Degrees become metres by the length of a degree\n"
-    "in the middle of the file, for all of it: reproject what is larger than some hundred kilometres.\n"
-    "Tiles: with a bound, or --border-tolerance, neighbours have the same vertices and normals along their common row bit for\n"
-    "bit, each made without the other: in one run, in several at once on many machines (--only), or after a crash (--resume).\n"
-    "Examples:\n"
-    "  hmesh-terrain dem.tif -o terrain.glb --max-error 2\n"
-    "  hmesh-terrain dem.tif -o tiles/t.terrain --max-error 2 --tiles 512 --resume --report tiles.json\n"
-    "  hmesh-terrain dem.tif --tiles 512 --list | parallel hmesh-terrain dem.tif -o t.ply --max-error 2 --tiles 512 --only {}\n"
-    "  hmesh-terrain N45E006.hgt -o model.stl --max-error 5 --scale 0.001 --z-scale 2 --base 0\n"
-    "  hmesh-terrain heights.r16 --size 1025x1025 --type uint16 --spacing 2 -o terrain.obj --vertices 20000\n"
-    "Models that are more than one run's work, on one machine or many: hmesh-terrain job --help.\n"
-    "Exit status: 0 done, 1 failed, 2 wrong usage.";
+tool::CommandWords about() {
+    return {"hmesh-terrain",
+            HMESH_VERSION_STRING,
+            "Turns a model of heights into the fewest triangles that keep a bound",
+            {std::begin(notes), std::end(notes)},
+            {}};
+}
 
 std::string formats_read() {
     const std::string gdal = gdal_version();
@@ -224,13 +230,7 @@ void add_other_options(CLI::App& app, bool& quiet) {
     app.option_defaults()->group("What is said");
     app.add_flag_callback(
         "-q,--quiet", [&] { quiet = true; }, "print errors only");
-    app.set_help_flag();
-    app.add_flag_callback(
-           "-h,--help", [] { throw Question{true}; }, "print this text")
-        ->trigger_on_parse();
-    app.add_flag_callback(
-           "--version", [] { throw Question{false}; }, "print the version, and what reads files")
-        ->trigger_on_parse();
+    tool::add_help(app, "print the version, and what reads files");
 }
 
 // One or more names.
@@ -304,9 +304,10 @@ Format format_of(const std::string& name) {
 CommandLine parse(const std::vector<std::string>& words) {
     CommandLine line;
     Arguments& arguments = line.arguments;
-    CLI::App app("Turns a model of heights into the fewest triangles that keep a bound.\n", "hmesh-terrain");
+    const tool::CommandWords words_of_command = about();
+    CLI::App app(words_of_command.summary + ".\n", words_of_command.name);
     tool::lay_out(app, "The heights");
-    app.footer(footer);
+    app.footer(tool::footer(words_of_command.notes));
     std::vector<std::string> inputs;
     add_names(app, "DEM", dem_words(), inputs);
     add_output_options(app, arguments);
@@ -315,10 +316,11 @@ CommandLine parse(const std::vector<std::string>& words) {
     add_tile_options(app, arguments);
     add_model_options(app, arguments);
     add_other_options(app, arguments.quiet);
+    tool::add_words(app);
     try {
         line.wrong = tool::parse_words(app, words, "no input file is given");
-    } catch (const Question& question) {
-        line.answer = question.is_help ? tool::help_of(app) : version();
+    } catch (const tool::Question& question) {
+        line.answer = tool::answer(app, question, version(), words_of_command, {"only"});
         return line;
     }
     if (!line.wrong.empty()) return line;
@@ -481,8 +483,8 @@ JobCommandLine parse_job(const std::vector<std::string>& words) {
                                        job.command == JobCommand::plan ? "no input file is given"
                                        : names_tasks                   ? "no folder or no task is given"
                                                                        : "no folder is given");
-    } catch (const Question& question) {
-        line.answer = question.is_help ? tool::help_of(app) : version();
+    } catch (const tool::Question& question) {
+        line.answer = tool::answer(app, question, version(), {}, {});
         return line;
     }
     if (!line.wrong.empty()) return line;

@@ -17,11 +17,11 @@
 #include <utility>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

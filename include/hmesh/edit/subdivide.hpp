@@ -13,7 +13,7 @@
 #include <cstdint>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/indexed_heap.hpp"
+#include "hmesh/edit/indexed_heap.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 

@@ -26,8 +26,8 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/raster.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

@@ -25,7 +25,6 @@
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/undo_array.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -34,6 +33,7 @@
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/samples.hpp"
 #include "hmesh/mesh/spatial_order.hpp"
+#include "hmesh/mesh/undo_array.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

@@ -14,10 +14,10 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/handles.hpp"
-#include "hmesh/mesh/raster.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

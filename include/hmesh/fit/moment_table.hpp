@@ -34,9 +34,9 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
-#include "hmesh/mesh/raster.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

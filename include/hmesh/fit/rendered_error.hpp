@@ -18,12 +18,12 @@
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_source.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
-#include "hmesh/mesh/raster.hpp"
 #include "hmesh/mesh/samples.hpp"
 
 #include "hmesh/core/macros/push.hpp"

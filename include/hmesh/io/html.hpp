@@ -113,6 +113,7 @@ inline void write_html_mesh(Writer& writer, const MeshView& mesh) {
         writer.text(names[i]);
         writer.decimal(numbers[i]);
     }
+    writer.text(mesh.samples == Samples::points ? ",\"points\":true" : ",\"points\":false");
     writer.text(mesh.premultiplied && mesh.channels == 4 ? ",\"premultiplied\":true" : ",\"premultiplied\":false");
     writer.text(",\"data\":\"");
     Base64Sink base64(writer);

@@ -20,9 +20,9 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/core/undo_array.hpp"
 #include "hmesh/mesh/handles.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/undo_array.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

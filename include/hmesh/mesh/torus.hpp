@@ -15,9 +15,9 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"

@@ -26,8 +26,8 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/mesh/geometry.hpp"
-#include "hmesh/mesh/raster.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 #include "hmesh/solve/pcg.hpp"
 

@@ -13,9 +13,9 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/fit/squared_error.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
 #include "hmesh/solve/bounded_colors.hpp"

@@ -11,9 +11,9 @@
 #include <cstdint>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

@@ -8,8 +8,6 @@
 #include <utility>
 
 #include "arguments/command_words.hpp"
-#include "arguments/completion.hpp"
-#include "arguments/man_page.hpp"
 #include "arguments/map_names.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/patterns.hpp"
@@ -23,15 +21,6 @@
 
 namespace tool {
 namespace {
-
-constexpr char summary[] = "Turns images into triangle meshes with one colour per vertex";
-constexpr Named<Shell> shells[] = {{"bash", Shell::bash}, {"zsh", Shell::zsh}, {"fish", Shell::fish}};
-
-// What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
-struct Question {
-    enum class Kind : std::uint8_t { help, version, man, completion } kind;
-    Shell shell = Shell::bash;
-};
 
 // --- options ---
 
@@ -283,23 +272,8 @@ void add_other_options(CLI::App& app, Arguments& out) {
         "--json", [&] { out.json = true; },
         "print the report, one line of JSON for each image, in place of the summary; what failed\n"
         "has its sentence as status, and no figures");
-    app.set_help_flag();
-    app.add_flag_callback(
-           "-h,--help", [] { throw Question{Question::Kind::help}; }, "print this text")
-        ->trigger_on_parse();
-    app.add_flag_callback(
-           "--version", [] { throw Question{Question::Kind::version}; },
-           "print the version, and which image files are read by what")
-        ->trigger_on_parse();
-    app.add_flag_callback(
-           "--man", [] { throw Question{Question::Kind::man}; }, "print the manual page, for man -l")
-        ->trigger_on_parse();
-    add_name(app, "--completion", "print what makes bash, zsh or fish complete command lines of hmesh", shells,
-             [](Shell shell) {
-                 throw Question{Question::Kind::completion, shell};
-             })
-        ->option_text("SHELL")
-        ->trigger_on_parse();
+    add_help(app, "print the version, and which image files are read by what");
+    add_words(app);
 }
 
 constexpr Note notes[] = {
@@ -326,35 +300,17 @@ constexpr Note notes[] = {
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
     {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
 
-// As CLI11 has them.
-CommandWords words_of(const CLI::App& app) {
-    CommandWords words;
-    words.summary = summary;
-    for (const CLI::Option* option : app.get_options()) {
-        OptionWords entry;
-        entry.group = option->get_group();
-        for (const std::string& name : option->get_snames()) entry.names.push_back("-" + name);
-        for (const std::string& name : option->get_lnames()) entry.names.push_back("--" + name);
-        entry.value = entry.names.empty() ? option->get_name() : option->get_option_text();
-        for (const std::string& choice : CLI::detail::split(option->get_type_name(), ' '))
-            if (!choice.empty() && !entry.names.empty()) entry.choices.push_back(choice);
-        entry.description = option->get_description();
-        entry.may_repeat = option->check_lname("output") || option->check_lname("with");
-        words.options.push_back(std::move(entry));
-    }
-    return words;
+CommandWords about() {
+    return {"hmesh",
+            HMESH_VERSION_STRING,
+            "Turns images into triangle meshes with one colour per vertex",
+            {std::begin(notes), std::end(notes)},
+            {}};
 }
 
-std::string answer(const CLI::App& app, const Question& question) {
-    switch (question.kind) {
-        case Question::Kind::help: return help_of(app);
-        case Question::Kind::version:
-            return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders() +
-                   (gltf_compressor().empty() ? "" : "writes\n  --glb meshopt: " + gltf_compressor() + "\n");
-        case Question::Kind::man: return man_page(words_of(app), {std::begin(notes), std::end(notes)}, HMESH_VERSION_STRING);
-        case Question::Kind::completion: break;
-    }
-    return completion(words_of(app), question.shell);
+std::string version() {
+    return "hmesh " HMESH_VERSION_STRING "\nreads\n" + decoders() +
+           (gltf_compressor().empty() ? "" : "writes\n  --glb meshopt: " + gltf_compressor() + "\n");
 }
 
 // The names of the files that are written; of arguments that are const or not.
@@ -426,13 +382,6 @@ Arguments for_image(Arguments all, const std::string& input) {
         if (all.outline && mesh.ending == ".obj" && !is_standard(mesh.name))
             all.materials.push_back(std::filesystem::path(mesh.name).replace_extension(".mtl").string());
     return all;
-}
-
-std::string help_footer() {
-    std::string footer;
-    for (const Note& note : notes)
-        footer += (footer.empty() ? "" : "\n") + std::string(note.heading) + (note.text[0] == ' ' ? ":\n" : ": ") + note.text;
-    return footer;
 }
 
 // What is wrong with several maps for one mesh.
@@ -632,8 +581,9 @@ CommandLine parse(const std::vector<std::string>& words) {
     CommandLine line;
     Arguments arguments;
     std::vector<std::string> inputs;
-    CLI::App app(std::string(summary) + ".\n", "hmesh");
-    app.footer(help_footer());
+    const CommandWords words_of_command = about();
+    CLI::App app(words_of_command.summary + ".\n", words_of_command.name);
+    app.footer(footer(words_of_command.notes));
     lay_out(app, "The images");
     const auto set_inputs = [&](const CLI::results_t& texts) {
         inputs = texts;
@@ -660,7 +610,7 @@ CommandLine parse(const std::vector<std::string>& words) {
             if (line.wrong.empty()) line.wrong = name_maps(line.images.back());
         }
     } catch (const Question& question) {
-        line.answer = answer(app, question);
+        line.answer = answer(app, question, version(), words_of_command, {"output", "with", "IMAGE"});
     }
     return line;
 }

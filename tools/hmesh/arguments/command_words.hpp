@@ -1,4 +1,4 @@
-// tools - what the command line offers, as data: help, manual page and completions are made of it, so that they say the same.
+// tools - what a command line offers, as data: help, manual page and completions are made of it, so that they say the same.
 #ifndef HMESH_TOOLS_ARGUMENTS_COMMAND_WORDS_HPP
 #define HMESH_TOOLS_ARGUMENTS_COMMAND_WORDS_HPP
 
@@ -18,16 +18,27 @@ struct OptionWords {
     [[nodiscard]] bool takes_file() const { return value.compare(0, 4, "FILE") == 0; }
 };
 
-struct CommandWords {
-    std::string summary;
-    std::vector<OptionWords> options;
-};
-
 // What is said after the options, under headings that the manual page has.
 struct Note {
     const char* heading;
     const char* text;  // lines
 };
+
+struct CommandWords {
+    std::string name;     // "hmesh"
+    std::string version;  // "0.1.0"
+    std::string summary;  // a line
+    std::vector<Note> notes;
+    std::vector<OptionWords> options;  // empty until they are asked for
+};
+
+// The notes as help ends with them.
+[[nodiscard]] inline std::string footer(const std::vector<Note>& notes) {
+    std::string out;
+    for (const Note& note : notes)
+        out += (out.empty() ? "" : "\n") + std::string(note.heading) + (note.text[0] == ' ' ? ":\n" : ": ") + note.text;
+    return out;
+}
 
 // The description in one line, up to its first semicolon or colon outside parentheses: for completions.
 [[nodiscard]] inline std::string brief(const OptionWords& option) {

@@ -1,5 +1,6 @@
 #include "arguments/completion.hpp"
 
+#include <algorithm>
 #include <vector>
 
 namespace tool {
@@ -28,6 +29,24 @@ std::string quoted(const std::string& text) {
     return out + "'";
 }
 
+std::string lower(std::string text) {
+    std::transform(text.begin(), text.end(), text.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + 32) : c; });
+    return text;
+}
+
+std::string first_line(const CommandWords& words, const std::string& shell) {
+    return "# Completion of " + words.name + " for " + shell + ": the output of `" + words.name + " --completion " + shell +
+           "`.\n";
+}
+
+// A name that any shell takes for a function.
+std::string function_of(const CommandWords& words) {
+    std::string name = "_" + words.name;
+    std::replace(name.begin(), name.end(), '-', '_');
+    return name;
+}
+
 // Bash makes --effort=dr three words. Where nothing is offered and readline may, it completes names of files.
 std::string bash(const CommandWords& words) {
     std::string names, choices, numbers, files;
@@ -41,8 +60,9 @@ std::string bash(const CommandWords& words) {
         else if (option.takes_file()) files += (files.empty() ? "" : "|") + either;
         else if (!option.value.empty()) numbers += (numbers.empty() ? "" : "|") + either;
     }
-    return "# Completion of hmesh for bash: the output of `hmesh --completion bash`.\n"
-           "_hmesh() {\n"
+    const std::string function = function_of(words);
+    return first_line(words, "bash") + function +
+           "() {\n"
            "    local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD - 1]}\n"
            "    COMPREPLY=()\n"
            "    if [[ $word == = ]]; then\n"
@@ -60,7 +80,8 @@ std::string bash(const CommandWords& words) {
            " -- \"$word\"))\n"
            "    fi\n"
            "}\n"
-           "complete -o default -F _hmesh hmesh\n";
+           "complete -o default -F " +
+           function + " " + words.name + "\n";
 }
 
 std::string zsh(const CommandWords& words) {
@@ -73,7 +94,7 @@ std::string zsh(const CommandWords& words) {
         else if (option.takes_file()) action += "_files";
         else if (!option.value.empty()) action += " ";
         if (option.names.empty()) {
-            inputs = "    " + quoted("*:image:_files") + "\n";
+            inputs = "    " + quoted((option.may_repeat ? "*:" : "1:") + lower(option.value) + ":_files") + "\n";
             continue;
         }
         // An option that was given is offered no more, under none of its names.
@@ -84,18 +105,15 @@ std::string zsh(const CommandWords& words) {
             specs += "    " + quoted(others + name + tie + "[" + what + "]" + action) + " \\\n";
         }
     }
-    return "#compdef hmesh\n"
-           "# Completion of hmesh for zsh: the output of `hmesh --completion zsh`.\n"
-           "_arguments -S -s \\\n" +
-           specs + inputs;
+    return "#compdef " + words.name + "\n" + first_line(words, "zsh") + "_arguments -S -s \\\n" + specs + inputs;
 }
 
 std::string fish(const CommandWords& words) {
-    std::string out = "# Completion of hmesh for fish: the output of `hmesh --completion fish`.\n";
+    std::string out = first_line(words, "fish");
     const auto in_quotes = [](const std::string& text) { return "'" + escaped(text, "'\\") + "'"; };
     for (const OptionWords& option : words.options) {
         if (option.names.empty()) continue;
-        out += "complete -c hmesh";
+        out += "complete -c " + words.name;
         for (const std::string& name : option.names) out += name.size() > 2 ? " -l " + name.substr(2) : " -s " + name.substr(1);
         if (!option.choices.empty()) out += " -x -a " + in_quotes(joined(option.choices, " "));
         else if (option.takes_file()) out += " -r -F";

@@ -63,11 +63,14 @@ std::string option_entry(const OptionWords& option) {
 
 }  // namespace
 
-std::string man_page(const CommandWords& words, const std::vector<Note>& notes, const std::string& version) {
-    std::string out = ".TH HMESH 1 \"\" \"hmesh " + plain(version) + "\" \"User Commands\"\n.SH NAME\nhmesh \\- " +
-                      plain(in_list(words.summary)) +
-                      "\n.SH SYNOPSIS\n.B hmesh\n.RI [ OPTION ...]\n.IR IMAGE ...\n.SH DESCRIPTION\n";
-    std::string group;
+std::string man_page(const CommandWords& words) {
+    const std::string name = plain(words.name);
+    std::string inputs, group;
+    for (const OptionWords& option : words.options)
+        if (option.names.empty()) inputs += ".IR " + plain(option.value) + (option.may_repeat ? " ...\n" : "\n");
+    std::string out = ".TH " + upper(name) + " 1 \"\" \"hmesh " + plain(words.version) + "\" \"User Commands\"\n.SH NAME\n" +
+                      name + " \\- " + plain(in_list(words.summary)) + "\n.SH SYNOPSIS\n.B " + name + "\n.RI [ OPTION ...]\n" +
+                      inputs + ".SH DESCRIPTION\n";
     for (const OptionWords& option : words.options) {
         if (option.names.empty()) {
             out += option_entry(option) + ".SH OPTIONS\n";
@@ -77,7 +80,7 @@ std::string man_page(const CommandWords& words, const std::vector<Note>& notes, 
         group = option.group;
         out += option_entry(option);
     }
-    for (const Note& note : notes) out += ".SH " + plain(upper(note.heading)) + "\n" + paragraphs(as_sentence(note.text));
+    for (const Note& note : words.notes) out += ".SH " + plain(upper(note.heading)) + "\n" + paragraphs(as_sentence(note.text));
     return out;
 }
 

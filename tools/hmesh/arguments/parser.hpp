@@ -6,11 +6,15 @@
 #include <CLI/CLI.hpp>
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "arguments/command_words.hpp"
+#include "arguments/completion.hpp"
+#include "arguments/man_page.hpp"
 #include "arguments/named.hpp"
 
 namespace tool {
@@ -62,6 +66,36 @@ CLI::Option* add_name(CLI::App& app, const char* option, const char* description
         joined(names, " "));
 }
 
+// What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
+struct Question {
+    enum class Kind : std::uint8_t { help, version, man, completion } kind;
+    Shell shell = Shell::bash;
+};
+
+// --help and --version; `version_words` say what the latter prints.
+inline void add_help(CLI::App& app, const char* version_words) {
+    app.set_help_flag();
+    app.add_flag_callback(
+           "-h,--help", [] { throw Question{Question::Kind::help}; }, "print this text")
+        ->trigger_on_parse();
+    app.add_flag_callback(
+           "--version", [] { throw Question{Question::Kind::version}; }, version_words)
+        ->trigger_on_parse();
+}
+
+// --man and --completion, of a command.
+inline void add_words(CLI::App& app) {
+    app.add_flag_callback(
+           "--man", [] { throw Question{Question::Kind::man}; }, "print the manual page, for man -l")
+        ->trigger_on_parse();
+    add_name(app, "--completion", "print what makes bash, zsh or fish complete command lines of this command", shells,
+             [](Shell shell) {
+                 throw Question{Question::Kind::completion, shell};
+             })
+        ->option_text("SHELL")
+        ->trigger_on_parse();
+}
+
 // How help is laid out, and that what is unknown is left to parse_words().
 inline void lay_out(CLI::App& app, const char* inputs) {
     app.get_formatter()->column_width(24);
@@ -75,6 +109,38 @@ inline void lay_out(CLI::App& app, const char* inputs) {
 // The help, with one empty line between groups.
 [[nodiscard]] inline std::string help_of(const CLI::App& app) {
     return CLI::detail::find_and_replace(app.help(), "\n\n\n", "\n\n");
+}
+
+// The options as CLI11 has them; `repeat` are long names of those that may be given more than once, and of the inputs.
+[[nodiscard]] inline std::vector<OptionWords> words_of(const CLI::App& app, const std::vector<std::string>& repeat) {
+    std::vector<OptionWords> words;
+    for (const CLI::Option* option : app.get_options()) {
+        OptionWords entry;
+        entry.group = option->get_group();
+        for (const std::string& name : option->get_snames()) entry.names.push_back("-" + name);
+        for (const std::string& name : option->get_lnames()) entry.names.push_back("--" + name);
+        entry.value = entry.names.empty() ? option->get_name() : option->get_option_text();
+        for (const std::string& choice : CLI::detail::split(option->get_type_name(), ' '))
+            if (!choice.empty() && !entry.names.empty()) entry.choices.push_back(choice);
+        entry.description = option->get_description();
+        for (const std::string& name : repeat)
+            entry.may_repeat = entry.may_repeat || option->check_lname(name) || entry.value == name;
+        words.push_back(std::move(entry));
+    }
+    return words;
+}
+
+// The answer to a question, for which `version` is what --version prints; `repeat` as words_of() takes it.
+[[nodiscard]] inline std::string answer(const CLI::App& app, const Question& question, const std::string& version,
+                                        CommandWords words, const std::vector<std::string>& repeat) {
+    words.options = words_of(app, repeat);
+    switch (question.kind) {
+        case Question::Kind::help: return help_of(app);
+        case Question::Kind::version: return version;
+        case Question::Kind::man: return man_page(words);
+        case Question::Kind::completion: break;
+    }
+    return completion(words, question.shell);
 }
 
 // Parses the words after the program's name. Returns "" or what is wrong with them, a sentence: `no_input` where nothing is named

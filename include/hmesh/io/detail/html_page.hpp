@@ -332,9 +332,10 @@ varying vec4 color;
 void main() { color = stored; gl_Position = place(); }`,
 picture: `${toCanvas}
 uniform vec2 full;
+uniform float margin;
 uniform mat2 turn;
 varying vec2 q;
-void main() { q = turn * (at / full - 0.5) + 0.5; gl_Position = place(); }`,
+void main() { q = turn * ((at + margin) / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
 const fragmentShaders = {
 faces: `
@@ -397,7 +398,8 @@ gl.bindAttribLocation(program, 1, 'stored');
 gl.linkProgram(program);
 if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
 const where = {};
-for (const name of ['high', 'low', 'scale', 'full', 'turn', 'straight']) where[name] = gl.getUniformLocation(program, name);
+for (const name of ['high', 'low', 'scale', 'full', 'margin', 'turn', 'straight'])
+where[name] = gl.getUniformLocation(program, name);
 return { program, where };
 }
 function buffer(gl, target, data) {
@@ -444,6 +446,7 @@ const colors = buffer(gl, gl.ARRAY_BUFFER, data.colors);
 const faces = { buffer: buffer(gl, gl.ELEMENT_ARRAY_BUFFER, data.faces), count: data.faces.length };
 let edges = null; // made when they are first drawn
 const turn = turnOf(Number(original?.dataset.turn ?? 1));
+const margin = mesh.points ? 0.5 : 0; // px that the original reaches beyond the mesh
 let isLoaded = false;
 gl.enableVertexAttribArray(0);
 gl.disable(gl.DITHER);
@@ -454,7 +457,8 @@ const high = [Math.fround(view.x), Math.fround(view.y)];
 gl.uniform2f(where.high, high[0], high[1]);
 gl.uniform2f(where.low, view.x - high[0], view.y - high[1]);
 gl.uniform2f(where.scale, (2 * view.scale) / canvas.width, (-2 * view.scale) / canvas.height);
-gl.uniform2f(where.full, mesh.width, mesh.height);
+gl.uniform2f(where.full, mesh.width + 2 * margin, mesh.height + 2 * margin);
+gl.uniform1f(where.margin, margin);
 gl.uniformMatrix2fv(where.turn, false, turn);
 gl.uniform1f(where.straight, mesh.premultiplied ? 0 : 1);
 gl.bindBuffer(gl.ARRAY_BUFFER, points);
@@ -632,11 +636,11 @@ const now = [event.clientX, event.clientY];
 pointers.set(event.pointerId, now);
 if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
 if (others.length !== 1) return;
-const [still] = others;
+)html"
+R"html(const [still] = others;
 const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
 const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-)html"
-R"html(zoom(span(now) / span(last), x, y);
+zoom(span(now) / span(last), x, y);
 pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
 });
 for (const type of ['pointerup', 'pointercancel'])

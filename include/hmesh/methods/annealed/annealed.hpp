@@ -27,6 +27,7 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/progress.hpp"
@@ -35,7 +36,6 @@
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/ring.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/border.hpp"
@@ -193,21 +193,23 @@ class AnnealedRun {
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
+        const double count = std::min(most, wanted);
         Array<std::uint32_t> pixels;
-        Array<Point> on_seams;
+        Array<Point> on_lines;
+        const bool has_sides = source.samples() == Samples::points && border_->empty();
+        if (has_sides) on_lines = side_points(source, count);
         if (source.is_read() && source.periodic() == Periodic::none) {
-            const auto count = static_cast<std::size_t>(std::min(most, wanted));
-            pixels = source.calls().points(source, count, tiled_->parallel_for(), go_on);
+            const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));
+            pixels = source.calls().points(source, left, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
         } else {
             Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
             if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
             if (progress().stopped()) return false;
-            const double count = std::min(most, wanted);
             // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
             if (source.periodic() != Periodic::none)
-                on_seams = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
-            const double left = std::max(0.0, count - static_cast<double>(on_seams.size()));
+                on_lines = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
+            const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
             if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
             if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
@@ -215,10 +217,10 @@ class AnnealedRun {
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
             if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
-            if (!border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+            if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
             if (!insert_pixels(delaunay, pixels, go_on)) return false;
             pixels = {};
-            for (const Point p : on_seams) (void)delaunay.insert(p);
+            for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));

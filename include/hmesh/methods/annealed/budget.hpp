@@ -13,12 +13,12 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/edit/relax.hpp"
 #include "hmesh/edit/subdivide.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"

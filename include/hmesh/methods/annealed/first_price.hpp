@@ -15,12 +15,12 @@
 #include <cstdint>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/edit/blocks.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/insert.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/mesh/coded_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 

@@ -14,8 +14,8 @@
 #include <cstdint>
 
 #include "hmesh/core/array.hpp"
-#include "hmesh/core/indexed_heap.hpp"
 #include "hmesh/edit/flip.hpp"
+#include "hmesh/edit/indexed_heap.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"

@@ -15,7 +15,7 @@
 #include <cstdint>
 
 #include "hmesh/core/array.hpp"
-#include "hmesh/core/indexed_heap.hpp"
+#include "hmesh/edit/indexed_heap.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/mesh/hole_filler.hpp"
 

@@ -2,7 +2,7 @@
 /// The largest difference between a face and the samples that it holds, in double: what the bound is about.
 ///
 /// A face holds the samples of the closed triangle: one on an edge is held against both faces. On the 1/256 px grid that is
-/// decided exactly (mesh/raster.hpp has the argument), and for whole numbers at whole positions so is the difference, which is
+/// decided exactly (fit/raster.hpp has the argument), and for whole numbers at whole positions so is the difference, which is
 /// calculated times the face's area. Costs some 40 ns and 0.3 ns a sample.
 #ifndef HMESH_METHODS_BOUNDED_FACE_ERROR_HPP
 #define HMESH_METHODS_BOUNDED_FACE_ERROR_HPP

@@ -24,7 +24,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
-#include "hmesh/mesh/raster.hpp"
+#include "hmesh/fit/raster.hpp"
 #include "hmesh/solve/normal_equations.hpp"
 
 #include "hmesh/core/macros/push.hpp"

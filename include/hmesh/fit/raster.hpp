@@ -5,8 +5,8 @@
 /// the edge is level, below it: the top-left rule of Direct3D, Vulkan and most OpenGL drivers. Only first_row() and EdgeWalker
 /// decide this, for the moments that fit a mesh as for the pictures drawn of it, so that the spans of a mesh's faces cover each
 /// pixel once. Samples that are points lie on the mesh's border too, where the rule has an exception: FarSides.
-#ifndef HMESH_MESH_RASTER_HPP
-#define HMESH_MESH_RASTER_HPP
+#ifndef HMESH_FIT_RASTER_HPP
+#define HMESH_FIT_RASTER_HPP
 
 #include <algorithm>
 #include <limits>
@@ -142,4 +142,4 @@ void for_each_span(Point a, Point b, Point c, const ClipRect& clip, Body&& body)
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_MESH_RASTER_HPP
+#endif  // HMESH_FIT_RASTER_HPP

@@ -4,8 +4,8 @@
 /// The building block of transactions: while recording, edit(i) first notes the old value of element i; rollback() restores the
 /// noted values in reverse order and drops elements added since the mark, so that every byte is as it was. A note costs one
 /// copy of the element; outside a transaction edit() is a plain access. Marks nest: the latest is rolled back or kept first.
-#ifndef HMESH_CORE_UNDO_ARRAY_HPP
-#define HMESH_CORE_UNDO_ARRAY_HPP
+#ifndef HMESH_MESH_UNDO_ARRAY_HPP
+#define HMESH_MESH_UNDO_ARRAY_HPP
 
 #include <cstddef>
 #include <cstdint>
@@ -84,4 +84,4 @@ class UndoArray {
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_CORE_UNDO_ARRAY_HPP
+#endif  // HMESH_MESH_UNDO_ARRAY_HPP

@@ -4,8 +4,8 @@
 /// Ids are small integers, each at most once in the heap. push, update, pop and erase cost O(log n); contains and top O(1).
 /// Memory follows the largest id. Equal keys leave in the order of their ids, so that results never depend on the history of
 /// the heap.
-#ifndef HMESH_CORE_INDEXED_HEAP_HPP
-#define HMESH_CORE_INDEXED_HEAP_HPP
+#ifndef HMESH_EDIT_INDEXED_HEAP_HPP
+#define HMESH_EDIT_INDEXED_HEAP_HPP
 
 #include <cstddef>
 #include <cstdint>
@@ -126,4 +126,4 @@ class IndexedHeap {
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_CORE_INDEXED_HEAP_HPP
+#endif  // HMESH_EDIT_INDEXED_HEAP_HPP

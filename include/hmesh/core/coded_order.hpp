@@ -3,8 +3,8 @@
 ///
 /// Whatever is to be sorted is told as numbers with codes, so that there is one sort to compile. It is a radix sort: O(n) for
 /// each 11 bits in which codes differ, some 3 ns a number, and things of one code stay in their order.
-#ifndef HMESH_MESH_CODED_ORDER_HPP
-#define HMESH_MESH_CODED_ORDER_HPP
+#ifndef HMESH_CORE_CODED_ORDER_HPP
+#define HMESH_CORE_CODED_ORDER_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -90,4 +90,4 @@ template <class Thing>
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_MESH_CODED_ORDER_HPP
+#endif  // HMESH_CORE_CODED_ORDER_HPP
