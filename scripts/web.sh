@@ -21,23 +21,24 @@ package=build/web/npm
 # Debian's Emscripten finds the node packages that it is made of there alone.
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
-# compile NAME FLAG...: the binding, for hmesh.wasm or hmesh.threads.wasm. What meshes is compiled for speed, the rest for size.
+# compile NAME FLAG...: the binding, for hmesh.wasm or hmesh.threads.wasm. What meshes is compiled for speed, but for inlining that costs
+# 5 kB (brotli) and gains nothing; the rest for size.
 compile() {
     local name=$1 file level
     shift
     for file in meshing images files; do
-        if [ "$file" = meshing ]; then level=2; else level=z; fi
-        emscripten "-O$level" "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude "${include_folders[@]}" \
+        if [ "$file" = meshing ]; then level=(-O2 -mllvm -inline-threshold=60); else level=(-Oz); fi
+        emscripten "${level[@]}" "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude "${include_folders[@]}" \
             -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
     done
 }
 
 # link NAME FLAG...: no JavaScript of Emscripten's, hence no main(), a memory that ours brings, imports that it has, and a stack of a
-# size that is said.
+# size that is said. Not -Oz, whose exp() and the like are slower.
 link() {
     local name=$1
     shift
-    emscripten -Oz "$objects/$name"/*.o -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY \
+    emscripten -Os "$objects/$name"/*.o -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY \
         -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
         -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 "$@"
 }
