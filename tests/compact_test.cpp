@@ -295,7 +295,8 @@ TEST_CASE("coarse colours come back within their steps, and the finer the nearer
             REQUIRE(back.mesh.faces == exact.faces);
             double worst = 0;
             for (std::size_t k = 0; k < exact.colors.size(); ++k)
-                worst = std::max(worst, std::abs(static_cast<double>(exact.colors[k]) - static_cast<double>(back.mesh.colors[k])));
+                worst =
+                    std::max(worst, std::abs(static_cast<double>(exact.colors[k]) - static_cast<double>(back.mesh.colors[k])));
             CHECK(worst <= before);
             // Steps are at most four times that of the mean area; errors of neighbours count too, and there are three planes.
             CHECK(worst <= 1 + 12.0 * step / 16);

@@ -88,7 +88,8 @@ namespace detail {
         return {Errc::invalid_argument, "the colours of a compact file are none of those known", static_cast<int>(options.colors),
                 2};
     if (options.color_step > 0 && options.colors != CompactColors::bits8)
-        return {Errc::invalid_argument, "a compact file has coarse colours of 8 bits alone, not with a step", options.color_step, 0};
+        return {Errc::invalid_argument, "a compact file has coarse colours of 8 bits alone, not with a step", options.color_step,
+                0};
     if (options.size_is_told && !options.bare)
         return {Errc::invalid_argument, "only the bare profile of a compact file leaves out the image's size"};
     return kit::check_ranges({{"the lattice of a compact file must be in [0, 2^25], in 1/256 px",
@@ -231,7 +232,8 @@ class CompactWriter {
         const std::int64_t step = head_.step;
         const std::array<std::int64_t, 2> sides{head_.frame_width, head_.frame_height};
         const auto is_free = [&](std::size_t v) {
-            return std::all_of(faces_at[v].begin(), faces_at[v].end(), [&](std::uint32_t f) { return area(mesh_->faces[f]) > 0; });
+            return std::all_of(faces_at[v].begin(), faces_at[v].end(),
+                               [&](std::uint32_t f) { return area(mesh_->faces[f]) > 0; });
         };
         std::vector<std::size_t> left(places_.size()), still;
         std::iota(left.begin(), left.end(), std::size_t{0});
@@ -418,8 +420,7 @@ class CompactWriter {
             const std::uint32_t number = body.colors[channels * p + k];
             float value = 0;
             if (head.colors == CompactColors::floats) value = float_of_ordered(number);
-            else
-                value = static_cast<float>(number * head.peak / head.most_color());
+            else value = static_cast<float>(number * head.peak / head.most_color());
             if (!kit::is_finite(value))
                 return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
             mesh.colors.push_back(value);
@@ -516,7 +517,8 @@ inline CompactMesh read_compact(const void* bytes, std::size_t size, const Compa
 
 namespace detail {
 
-[[nodiscard]] inline CompactMesh read_bare(const void* bytes, std::size_t size, const ToldSize& told, const CompactLimits& limits) {
+[[nodiscard]] inline CompactMesh read_bare(const void* bytes, std::size_t size, const ToldSize& told,
+                                           const CompactLimits& limits) {
     CompactMesh out;
     out.status = check(limits);
     if (!out.status) return out;

@@ -2,9 +2,10 @@
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
 ///
 /// Vertices come in the order of their points; each is foretold by its neighbours that came before, the nearer the more, and told
-/// by its difference to that, exactly or in steps. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a
-/// color space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by
-/// how much the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
+/// by its difference to that, exactly or in steps. Three channels are coded as a luma and two differences: exact ones by H.
+/// Malvar and G. Sullivan, "YCoCg-R: a color space with RGB reversibility and low dynamic range", 2003, coarse ones as three that
+/// are orthogonal; alpha comes before all. How large a difference may be is told by how much the neighbours differ, by how well
+/// they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
 #ifndef HMESH_IO_COMPACT_COLORS_HPP
@@ -40,8 +41,8 @@ namespace hmesh::detail {
     return {blue + orange, green + middle, blue};
 }
 
-/// Coarse colours: planes of a luma and two differences that are orthogonal, each in 16ths of a 255th, the differences with 8192
-/// added to them; of one or two channels the channels themselves. What is coded of a plane is a multiple of the vertex's step, from
+/// Coarse colours: planes of a luma and two differences that are orthogonal, each in 16ths of a 255th, the differences with 8192 more;
+/// of one or two channels the channels themselves. What is coded of a plane is a multiple of the vertex's step, from
 /// its guess on.
 struct CoarseColors {
     static constexpr std::int64_t most = 16383, middle = 8192;
@@ -83,12 +84,12 @@ struct CoarseColors {
 /// Codes colours. `channels` numbers a vertex, interleaved.
 class ColorCoder {
   public:
-    /// With the coder that it writes to or reads from, which outlives it, as the tables and `coarse` do. Numbers are 0 to `most` <
-    /// 2^32, of coarse colours 255.
+    /// With the coder that it writes to or reads from, which outlives it, as the tables and `coarse` do. Numbers are 0 to `most`,
+    /// below 2^32, of coarse colours 255.
     ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most, CoarseColors& coarse)
-        : coder_(&coder), coarse_(&coarse), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20),
-          misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3),
-          digits_(steps * 4 * 8) {}
+        : coder_(&coder), coarse_(&coarse), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845),
+          spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8),
+          signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
@@ -194,7 +195,8 @@ class ColorCoder {
         for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
             const std::int64_t area = area_beside(e);
             area_ += area;
-            if (coder_->writes() && mesh.to(e) < at) shared_.push_back({mesh.to(e), area + area_beside(Triangulation::opposite(e))});
+            if (coder_->writes() && mesh.to(e) < at)
+                shared_.push_back({mesh.to(e), area + area_beside(Triangulation::opposite(e))});
         }
     }
 
@@ -221,7 +223,8 @@ class ColorCoder {
     // Codes one number of a plane. Below 0: what is read is none.
     std::int64_t code_number(std::size_t v, const Plane& plane, std::int64_t truth, std::array<std::size_t, 2>& before,
                              std::array<std::size_t, 2>& turns) {
-        const auto [channel, most, step, first] = plane;
+        const std::size_t channel = plane.channel;
+        const std::int64_t most = plane.most, step = plane.step, first = plane.first;
         std::int64_t sum = 0, weights = 0, missed = 0;
         for (const Neighbor& neighbor : neighbors_) {
             const std::size_t i = neighbor.vertex * channels_ + channel;
