@@ -41,7 +41,8 @@ namespace hmesh::detail {
     return {blue + orange, green + middle, blue};
 }
 
-/// Coarse colours: planes of a luma and two differences that are orthogonal, each in 16ths of a 255th, the differences with 8192 more;
+/// Coarse colours: planes of a luma and two differences that are orthogonal, each in 16ths of a 255th, the differences with
+/// 8192 more;
 /// of one or two channels the channels themselves. What is coded of a plane is a multiple of the vertex's step, from
 /// its guess on.
 struct CoarseColors {
