@@ -17,7 +17,7 @@ esac
 command -v node >/dev/null || { echo "skipped: there is no node"; exit 77; }
 tests=$(dirname "$0") quick=${3-} HMESH_NPM=$(cd "$1" && pwd) HMESH_COMMAND=$2
 export HMESH_NPM HMESH_COMMAND
-set -- package command chromium
+set -- package placeholder command chromium
 [ -n "$quick" ] || set -- "$@" bundlers
 for name; do
     shift

@@ -42,11 +42,7 @@ const void* hmesh_write(int format, int kind, int wireframe, const char* title, 
                         std::size_t original_size, const char* original_type) {
     binding::Module& module = binding::module();
     module.bytes.clear();
-    const auto sink = [&](const void* bytes, std::size_t size) {
-        const auto* const from = static_cast<const std::uint8_t*>(bytes);
-        module.bytes.insert(module.bytes.end(), from, from + size);
-        return true;
-    };
+    const auto sink = module.sink();
     const hmesh::MeshView mesh = module.view();
     switch (static_cast<Format>(format)) {
         case Format::ply: return module.reply(hmesh::write_ply(mesh, sink));
@@ -72,9 +68,22 @@ const void* hmesh_write(int format, int kind, int wireframe, const char* title, 
     return module.reply(hmesh::write_compact(mesh, sink));
 }
 
-// Reads a compact file. A periodic mesh becomes one that covers its picture; samples that are points are refused.
-HMESH_EXPORT(hmesh_read) const void* hmesh_read(const void* bytes, std::size_t size) {
-    hmesh::CompactMesh read = hmesh::read_compact(bytes, size);
+// Writes the mesh as a compact file of the bare profile, with CompactOptions' steps.
+HMESH_EXPORT(hmesh_write_bare) const void* hmesh_write_bare(std::uint32_t lattice, std::uint32_t color_step) {
+    binding::Module& module = binding::module();
+    module.bytes.clear();
+    hmesh::CompactOptions options;
+    options.bare = true;
+    options.lattice = lattice;
+    options.color_step = color_step;
+    const auto sink = module.sink();
+    return module.reply(hmesh::write_compact(module.view(), sink, options));
+}
+
+// Reads a compact file, or one of the bare profile. A periodic mesh becomes one that covers its picture; samples that are points are
+// refused.
+HMESH_EXPORT(hmesh_read) const void* hmesh_read(const void* bytes, std::size_t size, int is_bare) {
+    hmesh::CompactMesh read = is_bare != 0 ? hmesh::read_bare_compact(bytes, size) : hmesh::read_compact(bytes, size);
     if (read.status && read.mesh.samples == hmesh::Samples::points)
         read.status = {hmesh::Errc::invalid_argument, "the compact mesh is of samples that are points, as heights are"};
     if (!read.status) read.mesh = {};

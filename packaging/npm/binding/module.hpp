@@ -62,6 +62,14 @@ struct Module {
         mesh.colors.assign(colors.begin(), colors.end());
         return mesh.view();
     }
+    // Appends what is written to `bytes`.
+    [[nodiscard]] auto sink() noexcept {
+        return [this](const void* from, std::size_t size) {
+            const auto* const begin = static_cast<const std::uint8_t*>(from);
+            bytes.insert(bytes.end(), begin, begin + size);
+            return true;
+        };
+    }
     const Answer* reply(const hmesh::Status& status) {
         message_ = hmesh::message(status);
         const auto word = [](auto number) { return static_cast<std::uint32_t>(number); };

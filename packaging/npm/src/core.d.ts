@@ -90,6 +90,12 @@ export interface WriteOptions {
   original?: Uint8Array;
   /** The media type of `original`, `image/png` by default. */
   originalType?: string;
+  /** Of hmc: the bare profile, for data in a page: a few bytes of head, no checksum. Positions must be whole px unless there is a lattice. */
+  bare?: boolean;
+  /** Of the bare profile: the step of the lattice that vertices are moved to, px; 0, the default: they stay. */
+  lattice?: number;
+  /** Of the bare profile: the step of coarse colours, in 16ths of a 255th, 0 to 4095; 0, the default: they are exact. */
+  colorStep?: number;
 }
 
 export interface RenderOptions {
@@ -132,7 +138,7 @@ export class Hmesh {
   /** The bytes of a file. */
   write(mesh: MeshArrays, format: Format, options?: WriteOptions): Uint8Array<ArrayBuffer>;
   /** The mesh of an .hmc file; grey becomes RGB. */
-  read(file: Uint8Array): Mesh;
+  read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */
   render(mesh: MeshArrays, options?: RenderOptions): Picture;
   /** Gives the memory back; the next call takes it anew. */

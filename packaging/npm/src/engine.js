@@ -141,11 +141,18 @@ export class Hmesh {
 
   write(mesh, format, options = {}) {
     number(FORMATS, format, 'format');
-    const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png' } = options ?? {};
+    const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png', bare = false,
+      lattice = 0, colorStep = 0 } = options ?? {};
+    if (bare && format !== 'hmc') refuse(`bare is of hmc alone: ${format}`);
     number(SVG_KINDS, kind, 'kind of SVG');
     if (original != null && !isTyped(original, 'Uint8Array')) refuse('the original is no Uint8Array');
     return this.#run((wasm) => {
       this.#hold(mesh);
+      if (bare) {
+        const answer = this.#read(wasm.hmesh_write_bare(256 * lattice, colorStep));
+        if (answer.code) refuse(answer.message, CODES[answer.code]);
+        return this.#bytes(answer.bytes, answer.size).slice();
+      }
       const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}\0`)));
       const originalAt = original ? this.#put(original) : 0;
       const answer = this.#read(wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0],
@@ -156,10 +163,10 @@ export class Hmesh {
     });
   }
 
-  read(bytes) {
+  read(bytes, { bare = false } = {}) {
     if (!isTyped(bytes, 'Uint8Array')) refuse('the bytes of a file are no Uint8Array');
     return this.#run((wasm) => {
-      const at = this.#put(bytes), answer = this.#read(wasm.hmesh_read(at, bytes.length));
+      const at = this.#put(bytes), answer = this.#read(wasm.hmesh_read(at, bytes.length, bare));
       wasm.hmesh_release(at);
       if (answer.code) refuse(answer.message, CODES[answer.code]);
       return { ...this.#mesh(answer, true), psnr: NaN };

@@ -1,0 +1,4 @@
+// hmesh/placeholder/auto: watches the page that loads it.
+import { watch } from './placeholder.js';
+
+watch();

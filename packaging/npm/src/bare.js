@@ -1,0 +1,395 @@
+// Reads the bare profile of compact files, bit for bit what the library's reader makes of it: docs/compact.md has every rule that stands
+// here, by the same names. Whole numbers alone; none is above 2^53, so that every engine decides alike.
+//
+// Work is O(n^2) in the number of points and memory 6 n^2 bytes, n <= MOST_POINTS: 3 ms and 30 kB of 70 points, which 200 bytes hold.
+
+export const MOST_POINTS = 1024;  // corners among them
+const MOST_PIXELS = 4096;  // of a side: signs of circles are exact up to these
+
+const LOGISTIC = [32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
+  64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
+  65500, 65508, 65514, 65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533, 65534, 65534, 65535, 65535];
+const COTANGENTS = [1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
+  58, 53, 47, 43, 38, 34, 30, 27, 23, 19, 16, 13, 9, 6, 3];
+
+// Where each table of contexts begins in the one array of all, and each part's sets of weights.
+const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANGLES + 3 * 256, NEAR = SHAPES + 3 * 4096;
+const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
+const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
+
+const { max, min, abs, ceil, floor, trunc } = Math;
+const digits = (x) => 32 - Math.clz32(x);
+const held = (x, most) => max(-most, min(most, x));
+const refuse = () => { throw 0; };  // caught by readBare() alone
+
+function probability(s) {
+  const size = abs(s), k = size >> 6, r = size & 63;
+  const p = size >= 2816 ? 65535 : (LOGISTIC[k] * (64 - r) + LOGISTIC[k + 1] * r) >> 6;
+  return s < 0 ? 65536 - p : p;
+}
+
+let logarithms;
+function makeLogarithms() {
+  logarithms = new Int16Array(4096);
+  for (let k = 0, s = -2816; k < 4096; logarithms[k++] = s) while (s < 2816 && probability(s) < 16 * k + 8) s++;
+}
+
+// The arithmetic code from bytes[at] on, with its contexts: a context is its q less 2^21 in units of 256, and its count.
+function openCode(bytes, at) {
+  const contexts = new Int32Array(CONTEXTS), weights = new Int32Array(4 * WEIGHTS);
+  let low = 0, high = 0xffffffff, code = 0, missing = 0;
+  const shift = () => {
+    low = low << 8 >>> 0;
+    high = (high << 8 | 255) >>> 0;
+    if (at >= bytes.length && ++missing > 4) refuse();
+    code = (code << 8 | (at < bytes.length ? bytes[at++] : 0)) >>> 0;
+  };
+  const raw = (p) => {
+    const range = high - low, middle = low + (range >>> 16) * p + ((range & 65535) * p >>> 16), bit = code <= middle;
+    if (bit) high = middle;
+    else low = middle + 1;
+    while ((low ^ high) >>> 24 === 0) shift();
+    return bit ? 1 : 0;
+  };
+  const q = (context) => 2097152 + (contexts[context] >> 8);
+  const learn = (context, bit) => {
+    const count = contexts[context] & 255, before = q(context);
+    const way = trunc(trunc((bit * 4194303 - before) / 8) * floor(16384 / (2 * count + 3)) / 1024);
+    contexts[context] = (before + way - 2097152) * 256 + min(count + 1, 160);
+  };
+  for (let k = 0; k < 4; k++) shift();
+  weights.fill(21845).fill(26000, 4 * FLIP_WEIGHTS, 4 * COLOR_WEIGHTS);
+  return {
+    bits(count) {
+      let value = 0;
+      while (count-- > 0) value = 2 * value + raw(32768);
+      return value;
+    },
+    told(context) {
+      const bit = raw(max(1, q(context) >> 6));
+      learn(context, bit);
+      return bit;
+    },
+    mixed(set, names) {
+      let sum = 0;
+      for (let k = 0; k < names.length; k++) sum += weights[4 * set + k] * logarithms[q(names[k]) >> 10];
+      const p = probability(held(trunc(sum / 65536), 2816)), bit = raw(p);
+      for (let k = 0; k < names.length; k++) {
+        const log = logarithms[q(names[k]) >> 10], at = 4 * set + k;
+        weights[at] = held(weights[at] + trunc(log * (bit * 65536 - p) / 16384), 524288);
+        learn(names[k], bit);
+      }
+      return bit;
+    },
+    // Whether the bytes end as their writer ends them.
+    ends() {
+      for (let size = 0; ; size++) {
+        const unit = 2 ** (32 - 8 * size), tail = Math.ceil(low / unit) * unit;
+        if (tail <= high) return at === bytes.length && missing + size === 4 && code === tail;
+      }
+    },
+  };
+}
+
+function readCounts(code) {
+  const rest = (size) => (size ? 2 ** (size - 1) + code.bits(size - 1) : 0), inside = rest(code.bits(5)), counts = [];
+  while (counts.length < 4) {
+    let size = 0;
+    while (size < 31 && code.told(COUNTS + size)) size++;
+    counts.push(rest(size));
+  }
+  return [...counts, inside];
+}
+
+// n sites of width x height, as [x, y].
+function readSites(code, width, height, n) {
+  const left = [digits(width - 1), digits(height - 1)], axes = [], sides = [[...left]], sites = [];
+  while (left[0] + left[1]) {
+    axes.push(left[1] > left[0] ? 1 : 0);
+    left[axes[axes.length - 1]]--;
+    sides.push([...left]);
+  }
+  const room = (level, x, y) => {
+    const [a, b] = sides[level];
+    return max(0, min(1 << a, width - (x << a))) * max(0, min(1 << b, height - (y << b)));
+  };
+  // The two halves of a cell, and how many of its points the first has.
+  const halve = (level, [x, y, n], ask) => {
+    const one = axes[level] ? [x, 2 * y] : [2 * x, y], two = axes[level] ? [x, 2 * y + 1] : [2 * x + 1, y];
+    let least = max(0, n - room(level + 1, ...two)), most = min(n, room(level + 1, ...one));
+    for (let node = 1; least < most;) {
+      const middle = (least + most) >> 1;
+      const bit = ask(n < 2 ? 0 : n < 4 ? 3 * n - 6 + min(3, node) : 8 + 8 * min(4, digits(n) - 3) + min(7, node));
+      if (bit) least = middle + 1;
+      else most = middle;
+      node = min(8, 2 * node + bit);
+    }
+    one.push(least);
+    two.push(n - least);
+    return [one, two].filter((cell) => cell[2]);
+  };
+  // Counts of the cells of a level, with empty ones around.
+  const makeGrid = (level) => {
+    const columns = (1 << (sides[0][0] - sides[level][0])) + 2, rows = (1 << (sides[0][1] - sides[level][1])) + 2;
+    const counts = new Uint16Array(columns * rows), place = (x, y) => (y + 1) * columns + x + 1;
+    return { get: (x, y) => counts[place(x, y)], set: ([x, y, n]) => { counts[place(x, y)] = n; } };
+  };
+  let cells = [[0, 0, n]], grid = makeGrid(0);
+  grid.set(cells[0]);
+  const dense = min(axes.length, digits(n) + 2);
+  for (let level = 0; level < dense; level++) {
+    const a = axes[level], deeper = min(31, axes.length - level), halves = makeGrid(level + 1), next = [];
+    for (const cell of cells) {
+      const [x, y] = cell;
+      const whole = (along, across) => (a ? grid.get(x + across, y + along) : grid.get(x + along, y + across));
+      const half = (along, across, which) =>
+        (a ? halves.get(x + across, 2 * (y + along) + which) : halves.get(2 * (x + along) + which, y + across));
+      const q3 = (count) => min(3, count);
+      const s1 = half(0, -1, 0), s2 = half(0, -1, 1), far = whole(-1, 1) + whole(1, 1) + whole(1, -1);
+      const near = q3(half(-1, 0, 1)) << 6 | q3(whole(1, 0)) << 4 | q3(s1) << 2 | q3(s2);
+      const wide = min(7, whole(-1, 0)) << 5 | min(7, whole(1, 0)) << 2 | (min(4, deeper) - 1);
+      const others = q3(s1 + s2) << 6 | q3(whole(0, 1)) << 4 | q3(half(-1, -1, 1)) << 2 | q3((far + 1) >> 1);
+      for (const part of halve(level, cell, (kind) => code.mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0),
+        [kind * 1024 + near, kind * 1024 + 256 + wide, kind * 1024 + 512 + others, kind * 1024 + 768 + a * 32 + deeper]))) {
+        halves.set(part);
+        next.push(part);
+      }
+    }
+    cells = next;
+    grid = halves;
+  }
+  const split = (level, cell) => {
+    if (level === axes.length) sites.push(cell);
+    else for (const part of halve(level, cell, (kind) => (kind ? code.told(INNER + 2 * kind + axes[level]) : code.bits(1))))
+      split(level + 1, part);
+  };
+  for (const cell of cells) split(dense, cell);
+  return sites;
+}
+
+// Triangles between points: of each directed edge from a to b, at a n + b, one more than the point across from it on its left, 0 beside the
+// border; and the round of flips that has made this triangle.
+export class Triangles {
+  constructor(x, y) {
+    this.x = x;
+    this.y = y;
+    this.n = x.length;
+    this.apexes = new Uint16Array(this.n * this.n);
+    this.rounds = new Uint32Array(this.n * this.n);
+  }
+
+  // Of a table of directed edges, what it says of that from a to b.
+  apex(a, b) { return this.apexes[a * this.n + b] - 1; }
+  round(a, b) { return this.rounds[a * this.n + b]; }
+
+  set(a, b, c, round) {
+    const { n, apexes, rounds } = this;
+    for (let k = 0; k < 3; k++) {
+      apexes[a * n + b] = c + 1;
+      rounds[a * n + b] = round;
+      [a, b, c] = [b, c, a];
+    }
+  }
+
+  // Twice the area of a triangle, positive where c is to the left.
+  turn(a, b, c) {
+    const { x, y } = this;
+    return (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
+  }
+
+  // Whether d counts as inside of the circle of the positive a, b, c.
+  isInside(a, b, c, d) {
+    const { x, y } = this, p = x[a] - x[d], q = y[a] - y[d], s = x[b] - x[d], t = y[b] - y[d], v = x[c] - x[d], w = y[c] - y[d];
+    const value = (p * p + q * q) * (s * w - t * v) + (s * s + t * t) * (v * q - w * p) + (v * v + w * w) * (p * t - q * s);
+    if (value) return value > 0;
+    const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
+    return least === d || this.turn(other(a), other(b), other(c)) < 0;
+  }
+
+  // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
+  begin(a, b) {
+    const begun = [a, b];
+    while (begun.length) {
+      b = begun.pop();
+      a = begun.pop();
+      if (this.apex(a, b) >= 0) continue;
+      let c = -1;
+      for (let d = 0; d < this.n; d++) if (this.turn(a, b, d) > 0 && (c < 0 || this.isInside(a, b, c, d))) c = d;
+      if (c < 0) continue;
+      this.set(a, b, c, 0);
+      begun.push(c, b, a, c);
+    }
+  }
+
+  // The angle at p between q and r, in 64ths of a half turn.
+  angle(p, q, r) {
+    const { x, y } = this, area = this.turn(p, q, r);
+    const t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
+    let k = 0;
+    while (k < 31 && abs(t) < COTANGENTS[k] * area) k++;
+    return t < 0 ? 63 - k : k;
+  }
+
+  flip(a, b, c, d, round) {
+    this.apexes[a * this.n + b] = this.apexes[b * this.n + a] = 0;
+    this.set(a, d, c, round);
+    this.set(d, b, c, round);
+  }
+}
+
+function readFlips(code, mesh) {
+  const { n } = mesh;
+  let asked = [], left = 64 * n;
+  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (mesh.apex(a, b) >= 0 || mesh.apex(b, a) >= 0) asked.push([a, b]);
+  for (let round = 1; asked.length; round++) {
+    const next = [], listed = new Set();
+    for (const [a, b] of asked) {
+      const c = mesh.apex(a, b), d = mesh.apex(b, a);
+      if (c < 0 || d < 0 || mesh.round(a, b) === round || mesh.round(b, a) === round) continue;
+      if (mesh.turn(a, d, c) <= 0 || mesh.turn(d, b, c) <= 0) continue;
+      const g = mesh.angle(c, a, b), h = mesh.angle(d, b, a), i = mesh.angle(a, d, c), j = mesh.angle(b, c, d);
+      const phase = min(3, round) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
+      const sides = [[a, c], [c, b], [b, d], [d, a]];
+      let fresh = 0, near = 0;
+      for (const made of [mesh.round(a, b), mesh.round(b, a)]) fresh += made === round - 1 ? 1 : 0;
+      for (const [u, v] of sides) {
+        const made = mesh.round(u, v);
+        near += made === 0 ? 0 : made === round ? 6 : 1;
+      }
+      const shape = phase * 16 + (slack >> 2);
+      if (!code.mixed(FLIP_WEIGHTS + shape,
+        [ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j),
+          NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near])) continue;
+      if (left-- === 0) refuse();
+      mesh.flip(a, b, c, d, round);
+      for (const [u, v] of sides) {
+        const edge = [min(u, v), max(u, v)], name = edge[0] * n + edge[1];
+        if (listed.has(name)) continue;
+        listed.add(name);
+        next.push(edge);
+      }
+    }
+    asked = next;
+  }
+}
+
+// Of all points, `channels` colours each, 0 to 255. `step` is that of coarse colours, 0 of exact ones; `mean` is 1536 times the mean area of points.
+function readColors(code, mesh, channels, step, mean) {
+  const { n, x, y } = mesh, planes = new Int32Array(n * channels), missed = new Int32Array(n * channels);
+  const colors = new Int32Array(n * channels), isRgb = channels > 2, hasAlpha = channels % 2 === 0;
+  for (let v = 0; v < n; v++) {
+    let area = 0;
+    for (let u = 0; u < n; u++) if (mesh.apex(v, u) >= 0) area += mesh.turn(v, u, mesh.apex(v, u));
+    const fineness = floor(Math.sqrt(max(16, min(4096, floor(mean / area)))));
+    let near = [], nearest = 2 ** 26, total = 0;
+    for (let u = 0; u < v; u++) {
+      if (mesh.apex(u, v) < 0 && mesh.apex(v, u) < 0) continue;
+      const dx = 256 * abs(x[u] - x[v]), dy = 256 * abs(y[u] - y[v]), distance = max(dx, dy) + floor(3 * min(dx, dy) / 8);
+      near.push([u, distance]);
+      nearest = min(nearest, distance);
+    }
+    near = near.map(([u, distance]) => [u, max(1, floor(4096 * nearest / distance))]);
+    if (!near.length && v) near.push([v - 1, 1]);
+    for (const [, weight] of near) total += weight;
+    let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
+    for (let k = 0; k < channels; k++) {
+      const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && (channel === 1 || channel === 2);
+      const top = step ? 16383 : isDifference ? 510 : 255, first = isDifference ? 8192 : 2048;
+      const unit = step ? max(1, floor(step * fineness * (isRgb ? [10, 12, 7, 17][channel] : 17) / 256)) : 1;
+      const weigh = (value) => near.reduce((sum, [u, weight]) => sum + weight * value(u * channels + channel), 0);
+      const level = (sum) => {
+        if (!near.length) return 19;
+        const value = floor(sum / (floor(total * unit / 4) + 1)), size = digits(value);
+        return min(18, value < 2 ? value : 2 * size - 2 + (value >> (size - 2) & 1));
+      };
+      const guess = near.length ? floor((weigh((at) => planes[at]) + floor(total / 2)) / total) : step ? first : (top + 1) >> 1;
+      const spread = level(weigh((at) => abs(planes[at] - guess))), off = level(weigh((at) => missed[at]));
+      const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
+      let size = 0, value = 0, sign = 0;
+      for (const largest = digits(floor(max(guess, top - guess) / unit)); size < largest; size++) {
+        const set = channel * 16 + size, at = COLORS + set * 220;
+        if (!code.mixed(COLOR_WEIGHTS + set, [at + spread, at + 20 + off, at + 40 + other, at + 60 + place])) break;
+      }
+      if (size) {
+        sign = 1 + code.told(SIGNS + channel * 9 + sign1 * 3 + sign2);
+        value = 1;
+        for (let left = size - 1; left--;) value = 2 * value + (value < 4 ? code.told(DIGITS + (channel * 16 + size) * 4 + value) : code.bits(1));
+      }
+      value *= unit;
+      const number = sign > 1 ? guess - value : guess + value, at = v * channels + channel;
+      if (number < 0 || number > top) refuse();
+      planes[at] = colors[at] = number;
+      missed[at] = value;
+      [size2, size1, sign2, sign1] = [size1, size, sign1, sign];
+    }
+    const at = v * channels;
+    if (isRgb && step) {
+      const o = planes[at + 1] - 8192, green = planes[at + 2] - 8192, r = planes[at] + o - green;
+      colors.set([r, planes[at] + 2 * green, r - 2 * o], at);
+    } else if (isRgb) {
+      const o = planes[at + 1] - 255, green = planes[at + 2] - 255, m = planes[at] - (green >> 1), b = m - (o >> 1);
+      colors.set([b + o, green + m, b], at);
+    }
+    for (let k = at; k < at + channels; k++) {
+      if (step) colors[k] = min(255, (max(0, colors[k]) + 8) >> 4);
+      else if (colors[k] < 0 || colors[k] > 255) refuse();
+    }
+  }
+  return colors;
+}
+
+function read(bytes, told) {
+  let at = 1;
+  const varint = () => {
+    for (let value = 0, k = 0; k < 3; k++) {
+      const byte = bytes[at++];
+      value += (byte & 127) * 128 ** k;
+      if (byte < 128) return byte || !k ? value : refuse();
+    }
+    return refuse();
+  };
+  const [first] = bytes, version = first >> 4;
+  if (version !== 1 && version !== 2) return null;
+  const [width, height] = version < 2 ? [varint(), varint()] : told, step = varint(), colorStep = varint();
+  if (!(width >= 1 && width <= MOST_PIXELS && height >= 1 && height <= MOST_PIXELS && step >= 1 && step <= 65536 && colorStep < 4096)) return null;
+  const columns = ceil(width / step), rows = ceil(height / step);
+  const channels = (first & 3) + 1, code = openCode(bytes, at), counts = readCounts(code);
+  const room = [columns - 1, rows - 1, columns - 1, rows - 1, (columns - 1) * (rows - 1)];
+  const n = counts.reduce((sum, count, k) => (count > room[k] ? refuse() : sum + count), 4);
+  if (n > MOST_POINTS) return null;
+  const sites = [[0, 0], [columns, 0], [columns, rows], [0, rows]];
+  counts.forEach((count, k) => {
+    if (!count) return;
+    for (const [x, y] of k < 4 ? readSites(code, room[k], 1, count) : readSites(code, columns - 1, rows - 1, count))
+      sites.push([[x + 1, 0], [columns, x + 1], [x + 1, rows], [0, x + 1], [x + 1, y + 1]][k]);
+  });
+  const mesh = new Triangles(sites.map(([x]) => min(width, step * x)), sites.map(([, y]) => min(height, step * y)));
+  mesh.begin(0, counts[0] ? 4 : 1);
+  readFlips(code, mesh);
+  const numbers = readColors(code, mesh, channels, colorStep, floor(1536 * width * height / n));
+  if (!code.ends()) return null;
+  const indices = [];
+  for (let a = 0; a < n; a++)
+    for (let b = a + 1; b < n; b++) if (mesh.apex(a, b) > a) indices.push(a, b, mesh.apex(a, b));
+  const isGray = channels < 3, to = channels + (isGray ? 2 : 0), colors = new Uint8Array(to * n);
+  for (let k = 0; k < to * n; k++) {
+    const channel = k % to;
+    colors[k] = numbers[floor(k / to) * channels + (isGray ? max(0, channel - 2) : channel)];
+  }
+  return {
+    positions: Float32Array.from({ length: 2 * n }, (_, k) => (k % 2 ? mesh.y : mesh.x)[k >> 1]), colors, indices: Uint32Array.from(indices),
+    width, height, channels: to,
+    premultiplied: (first & 4) > 0, linear: (first & 8) > 0, vertices: n, faces: indices.length / 3,
+  };
+}
+
+// The mesh of the bytes of a bare compact file, or null where they are none. `told`: width and height, px, where the bytes leave them out.
+export function readBare(bytes, told = []) {
+  if (!logarithms) makeLogarithms();
+  try {
+    return read(bytes, told);
+  } catch (error) {
+    if (error) throw error;
+    return null;
+  }
+}

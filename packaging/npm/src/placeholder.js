@@ -1,0 +1,163 @@
+// hmesh/placeholder: a picture of 100 to 400 bytes that is seen until an image is there. decode() makes a mesh of the text, toPixels() a small
+// soft picture of that, toDataURL() a PNG, and paint() and watch() put it behind images of a page.
+//
+// Drawn at 40 px, softened, and magnified smoothly by the browser: of the triangles nothing is seen but their colours. No canvas is needed, so
+// that servers can do the same.
+import { readBare } from './bare.js';
+
+const LARGEST = 4096;  // characters of a text; of more no mesh of MOST_POINTS is made
+const { min, max, floor, ceil, round, sqrt } = Math;
+
+// Either alphabet of base64, or nothing.
+function toBytes(text) {
+  try {
+    return Uint8Array.from(atob(text.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0));
+  } catch {
+    return undefined;
+  }
+}
+
+export function decode(data, { width, height } = {}) {
+  if (!(data?.length <= LARGEST)) return null;
+  const bytes = typeof data === 'string' ? toBytes(data) : data;
+  const mesh = bytes instanceof Uint8Array ? readBare(bytes, [width, height]) : null;
+  if (!mesh || !(width > 0 && width < Infinity && height > 0 && height < Infinity)) return mesh;
+  const scales = [width / mesh.width, height / mesh.height];
+  return { ...mesh, positions: mesh.positions.map((at, k) => at * scales[k % 2]), width, height };
+}
+
+// Light of a stored value, both as shares of 1, and back.
+const toLight = (x) => (x > 0.04045 ? ((x + 0.055) / 1.055) ** 2.4 : x / 12.92);
+const fromLight = (x) => (x > 0.0031308 ? 1.055 * x ** (1 / 2.4) - 0.055 : x * 12.92);
+
+// The mesh at the centres of width x height pixels: 4 numbers each, premultiplied, shares of 1.
+function shade({ positions, colors, indices, channels, premultiplied, linear, width: w, height: h }, width, height) {
+  const pixels = new Float32Array(4 * width * height), corner = [[], [], []];
+  const share = (v, k) => {
+    if (k === 3) return channels > 3 ? colors[channels * v + 3] / 255 : 1;
+    const value = colors[channels * v + k] / 255;
+    return linear ? toLight(value) : value;
+  };
+  for (let f = 0; f < indices.length; f += 3) {
+    for (let k = 0; k < 3; k++) {
+      const v = indices[f + k];
+      corner[k] = [positions[2 * v] * width / w - 0.5, positions[2 * v + 1] * height / h - 0.5, ...[0, 1, 2, 3].map((c) => share(v, c))];
+    }
+    const [a, b, c] = corner, side = (p, q, x, y) => (q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1]), area = side(a, b, c[0], c[1]);
+    for (let y = max(0, ceil(min(a[1], b[1], c[1]))); y <= min(height - 1, max(a[1], b[1], c[1])); y++)
+      for (let x = max(0, ceil(min(a[0], b[0], c[0]))); x <= min(width - 1, max(a[0], b[0], c[0])); x++) {
+        const u = side(b, c, x, y) / area, v = side(c, a, x, y) / area, t = 1 - u - v;
+        if (u < -1e-6 || v < -1e-6 || t < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
+        const at = 4 * (y * width + x), alpha = u * a[5] + v * b[5] + t * c[5];
+        for (let k = 0; k < 3; k++) {
+          const value = u * a[2 + k] + v * b[2 + k] + t * c[2 + k];
+          pixels[at + k] = (linear ? fromLight(value) : value) * (premultiplied ? 1 : alpha);
+        }
+        pixels[at + 3] = alpha;
+      }
+  }
+  return pixels;
+}
+
+// Each number becomes the mean of itself, twice, and of those before and behind it along an axis; what is over the end is as the last.
+function soften(pixels, count, step, lines, stride) {
+  for (let line = 0; line < lines; line++)
+    for (let k = 0; k < 4; k++) {
+      const at = (i) => line * stride + i * step + k;
+      let before = pixels[at(0)];
+      for (let i = 0; i < count; i++) {
+        const here = pixels[at(i)];
+        pixels[at(i)] = (before + 2 * here + pixels[at(min(i + 1, count - 1))]) / 4;
+        before = here;
+      }
+    }
+}
+
+export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
+  const scale = min(96, pixels) / max(mesh.width, mesh.height), side = (length) => max(1, round(length * scale));
+  const width = side(mesh.width), height = side(mesh.height), shaded = shade(mesh, width, height);
+  for (let k = 0; k < softness; k++) {
+    soften(shaded, width, 4, height, 4 * width);
+    soften(shaded, height, 4 * width, width, 4);
+  }
+  const data = new Uint8ClampedArray(shaded.length);
+  for (let i = 0; i < data.length; i++) data[i] = i % 4 < 3 ? 255 * shaded[i] / (shaded[i | 3] || 1) : 255 * shaded[i];
+  return { data, width, height };
+}
+
+const word = (x) => [x >>> 24, x >>> 16 & 255, x >>> 8 & 255, x & 255];
+
+function checksum(bytes) {
+  let crc = -1;
+  for (const byte of bytes) {
+    crc ^= byte;
+    for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+  }
+  return word(~crc);
+}
+
+// A PNG that compresses nothing: so small a picture is not worth the code.
+function toPng({ data, width, height }) {
+  const isOpaque = data.every((x, i) => i % 4 < 3 || x === 255), rows = [];
+  data.forEach((x, i) => {
+    if (i % (4 * width) === 0) rows.push(0);
+    if (i % 4 < 3 || !isOpaque) rows.push(x);
+  });
+  let a = 1, b = 0;
+  for (const byte of rows) b = (b + (a = (a + byte) % 65521)) % 65521;
+  const size = rows.length, png = [137, 80, 78, 71, 13, 10, 26, 10];
+  const chunk = (...bytes) => png.push(...word(bytes.length - 4), ...bytes, ...checksum(bytes));
+  chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, isOpaque ? 2 : 6, 0, 0, 0);
+  chunk(73, 68, 65, 84, 120, 1, 1, size & 255, size >> 8, ~size & 255, ~size >> 8 & 255, ...rows, ...word(b * 65536 + a));
+  chunk(73, 69, 78, 68);
+  return png;
+}
+
+export function toDataURL(data, options) {
+  const mesh = decode(data);
+  return mesh && `data:image/png;base64,${btoa(String.fromCharCode(...toPng(toPixels(mesh, options))))}`;
+}
+
+export function paint(image, options) {
+  if (image.complete && image.naturalWidth) return true;
+  const url = toDataURL(image.dataset.mesh, options), { style } = image;
+  if (!url) return false;
+  const fit = getComputedStyle(image).objectFit;
+  style.background = `url(${url}) 50% / ${fit === 'cover' || fit === 'contain' ? fit : '100% 100%'} no-repeat`;
+  image.addEventListener('load', () => { style.background = ''; }, { once: true });
+  return true;
+}
+
+export function watch(root = document, options) {
+  const waiting = new Set(), idle = globalThis.requestIdleCallback ?? ((body) => setTimeout(body, 1));
+  const work = (deadline) => {
+    do {
+      const [image] = waiting;
+      if (!image) return;
+      waiting.delete(image);
+      paint(image, options);
+    } while (deadline?.timeRemaining() > 4);
+    idle(work, { timeout: 100 });
+  };
+  const near = new IntersectionObserver((entries) => {
+    for (const { isIntersecting, target } of entries) {
+      if (!isIntersecting) continue;
+      near.unobserve(target);
+      if (!waiting.size) idle(work, { timeout: 100 });
+      waiting.add(target);
+    }
+  }, { rootMargin: '50%' });
+  const seen = new WeakSet();
+  const find = () => root.querySelectorAll('img[data-mesh]').forEach((image) => {
+    if (!seen.has(image)) near.observe(image);
+    seen.add(image);
+  });
+  const added = new MutationObserver(find);
+  added.observe(root, { childList: true, subtree: true });
+  find();
+  return () => {
+    near.disconnect();
+    added.disconnect();
+    waiting.clear();
+  };
+}
