@@ -108,6 +108,7 @@ need() {
             mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
             wine) has wine || packages+=(wine wine64) ;;
             emscripten) has em++ || packages+=(emscripten) ;;
+            node) has node || packages+=(nodejs) ;;
             browser)  # what tests of pages run
                 has "${CHROMIUM:-chromium}" || packages+=(chromium)
                 has node || packages+=(nodejs)
