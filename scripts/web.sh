@@ -6,7 +6,8 @@
 # It installs Emscripten and Node where these are missing. With --serve it then serves the page to this machine, at port 8080
 # unless another is given. With --test it tests the package in node and Chromium, against the command where scripts/test.sh has
 # built that, then the page in Chromium, and, unless --quick, the package with vite, webpack, esbuild, deno and TypeScript, which
-# it installs into build/web/tools. shellcheck source=scripts/common.sh
+# it installs into build/web/tools.
+# shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 case $*: in

@@ -36,11 +36,12 @@ export function createMeshing(told) {
   }
 
   return {
-    // Starts the worker and has its code compiled while nobody waits for it.
+    // Starts the workers, all of them as for a photo, and has their code compiled while nobody waits for it.
     warmUp() {
       if (run) return;
-      const data = Uint8Array.from({ length: 4 * 32 * 32 }, (_, k) => (k % 4 === 3 ? 255 : (k * k) % 251));
-      mesher.setImage({ data, width: 32, height: 32 });
+      const SIDE = 260; // px; what is below 65,536 px has one worker
+      const data = new Uint8Array(3 * SIDE * SIDE).map((_, k) => (k * k) % 251);
+      mesher.setImage({ data, width: SIDE, height: SIDE, channels: 3 });
       mesher.meshImage({ vertices: 60, effort: 'draft' }).catch(() => {}); // who opens a photo meanwhile will be told
     },
     // Forgets what was asked before.
