@@ -40,8 +40,8 @@ function watch() {
     .observe(document.body, { attributes: true, attributeFilter: ['data-state'] });
 }
 
-// Drops the file and waits until it is refined: ms to the first draft, ms to the end, and of the longest task of the page's main thread the
-// time and the processor's, from the browser's trace.
+// Drops the file and waits until it is refined: ms to the first draft, ms to the end, and from the browser's trace the longest task
+// of the page's main thread, by the clock and by the processor's time.
 async function drop(page, base64, name) {
   await page.evaluate(([text, file]) => {
     const bytes = Uint8Array.from(atob(text), (one) => one.charCodeAt(0));
@@ -54,15 +54,16 @@ async function drop(page, base64, name) {
     Object.assign(window.times, { drafts: [], ends: [], from: performance.now() });
     setTimeout(() => document.body.dispatchEvent(new DragEvent('drop', { bubbles: true, dataTransfer: window.dropped })));
   });
-  await page.waitForFunction(() => window.times.drafts.length > 0 && window.times.ends.length > 0, null, { ...patience, polling: 250 });
+  const isDone = () => window.times.drafts.length > 0 && window.times.ends.length > 0;
+  await page.waitForFunction(isDone, null, { ...patience, polling: 250 });
   const { traceEvents } = JSON.parse(await browser.stopTracing());
-  const main = traceEvents.filter(({ name: what, args: { name: who } = {} }) => what === 'thread_name' && who === 'CrRendererMain');
+  const main = traceEvents.filter((event) => event.name === 'thread_name' && event.args?.name === 'CrRendererMain');
   const tasks = traceEvents.filter(({ name: what, pid, tid }) => what === 'RunTask'
     && main.some((thread) => thread.pid === pid && thread.tid === tid));
   const longest = tasks.reduce((one, other) => (other.dur > one.dur ? other : one), { dur: 0, tdur: 0 });
   const times = await page.evaluate(() => window.times);
   return { draft: times.drafts[0] - times.from, end: times.ends[0] - times.from, longest: longest.dur / 1000,
-    busiest: Math.max(...tasks.map(({ tdur = 0 }) => tdur)) / 1000, count: tasks.length };
+    busiest: Math.max(...tasks.map(({ tdur = 0 }) => tdur)) / 1000 };
 }
 async function slide(page, value) {
   await page.waitForTimeout(500); // all is drawn
