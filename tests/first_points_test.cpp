@@ -204,8 +204,6 @@ TEST_CASE("points on the sides stand on outermost samples, and are half of all a
                 CHECK(((p.x == 0.5 || p.x == width - 0.5) || (p.y == 0.5 || p.y == height - 0.5)));
                 CHECK((p.x - 0.5 == std::floor(p.x) && p.x > 0 && p.x < width && p.y - 0.5 == std::floor(p.y) && p.y > 0 &&
                        p.y < height));
-
-                CHECK((p.x - 0.5 == std::floor(p.x) && p.x > 0 && p.x < width && p.y - 0.5 == std::floor(p.y) && p.y > 0 && p.y < height));
             }
             CHECK(2 * points.size() <= static_cast<std::size_t>(count) + 1);
         }
@@ -218,8 +216,6 @@ TEST_CASE("sides have as many points as lines through points of that density, mo
     CHECK(std::abs(static_cast<int>(even.size()) - 60) <= 1);  // 600 px, a point each 10 px
     const auto half =
         hmesh_test::draw<std::uint8_t, 1>(200, 100, [](int x, int, int) { return x < 100 ? 0.5 : (x / 2) % 4 / 4.0; });
-
-    const auto half = hmesh_test::draw<std::uint8_t, 1>(200, 100, [](int x, int, int) { return x < 100 ? 0.5 : (x / 2) % 4 / 4.0; });
     int left = 0, right = 0;
     for (const kit::Point p : hmesh::kit::side_points(ImageSource<1>(half.view()), 200))
         if (p.y == 0.5) ++(p.x < 100 ? left : right);

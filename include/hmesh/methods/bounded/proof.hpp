@@ -85,39 +85,39 @@ struct ProvedFace {
 };
 
 /// Measures one channel of a face at the samples of rows [first, last). `covered`: rows of the image, of samples seen before.
-inline void prove_face(const ProvedFace& face, const HeightField& field, int channel, int first, int last,
-                                  ReadSamples read, Array<double>& values, std::uint8_t* covered, Proof& proof) {
+inline void prove_face(const ProvedFace& face, const HeightField& field, int channel, int first, int last, ReadSamples read,
+                       Array<double>& values, std::uint8_t* covered, Proof& proof) {
     const ScaledPlane plane(face.corner[0], face.corner[1], face.corner[2], face.area, channel);
     const bool is_last = channel + 1 == field.channels, has_holes = !field.data.empty();
     double most = 0, squares = 0;  // times the area and its square
     const double nothing = plane.slack * face.area, offset = field.offset();
-    for_each_closed_span(field, face.corner[0].position, face.corner[1].position, face.corner[2].position,
-                         [&](int j, int begin, int end) {
-                             if (j < first || j >= last) return;
-                             read(channel, j, begin, end, values.data());
-                             std::uint8_t* const seen = covered + static_cast<std::size_t>(j) * static_cast<std::size_t>(field.width);
-                             const double from = plane.at(begin, j, offset);
-                             for (int i = begin; i < end; ++i) {
-                                 if (has_holes && !field.has_data(i, j)) {
-                                     proof.is_cover = false;
-                                     continue;
-                                 }
-                                 const double value = values[static_cast<std::size_t>(i - begin)];
-                                 const double off = std::abs(from + (i - begin) * plane.dx - face.area * (value - plane.base));
-                                 most = std::max(most, off);
-                                 if (seen[i] != 0) continue;
-                                 squares += off > nothing ? off * off : 0;
-                                 if (is_last) seen[i] = 1, ++proof.samples;
-                             }
-                         });
+    for_each_closed_span(
+        field, face.corner[0].position, face.corner[1].position, face.corner[2].position, [&](int j, int begin, int end) {
+            if (j < first || j >= last) return;
+            read(channel, j, begin, end, values.data());
+            std::uint8_t* const seen = covered + static_cast<std::size_t>(j) * static_cast<std::size_t>(field.width);
+            const double from = plane.at(begin, j, offset);
+            for (int i = begin; i < end; ++i) {
+                if (has_holes && !field.has_data(i, j)) {
+                    proof.is_cover = false;
+                    continue;
+                }
+                const double value = values[static_cast<std::size_t>(i - begin)];
+                const double off = std::abs(from + (i - begin) * plane.dx - face.area * (value - plane.base));
+                most = std::max(most, off);
+                if (seen[i] != 0) continue;
+                squares += off > nothing ? off * off : 0;
+                if (is_last) seen[i] = 1, ++proof.samples;
+            }
+        });
     proof.max_error = std::max(proof.max_error, most / face.area - plane.slack);
     proof.energy += squares / (face.area * face.area);
 }
 
 }  // namespace detail
 
-/// Measures a mesh against samples; where they stand and which have data the field says. Bands of 64 rows are pieces of work, whose
-/// sums are added in their order; `read` is called on any thread.
+/// Measures a mesh against samples; where they stand and which have data the field says. Bands of 64 rows are pieces of work,
+/// whose sums are added in their order; `read` is called on any thread.
 [[nodiscard]] HMESH_COLD inline Proof prove(const MeshView& mesh, const HeightField& field, ReadSamples read,
                                             const ParallelFor& parallel_for = {}) {
     const auto width = static_cast<std::size_t>(field.width);
@@ -147,8 +147,8 @@ inline void prove_face(const ProvedFace& face, const HeightField& field, int cha
         all.samples += proof.samples;
         all.is_cover = all.is_cover && proof.is_cover;
     }
-    // Sums of multiples of 2^-16 below 2^37 are exact. Faces that all turn one way within the rectangle and have its area cover it
-    // once, since they hang together along edges.
+    // Sums of multiples of 2^-16 below 2^37 are exact. Faces that all turn one way within the rectangle and have its area cover
+    // it once, since they hang together along edges.
     double area = 0;
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         const double of_face = detail::ProvedFace(mesh, 0, f).area;
