@@ -90,18 +90,11 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
         if (tool::interrupted) return "interrupted; '" + tile.file + "' is not written";
         end.asked = share * (wanted - step);
         end.is_tighter = share < shares.front();
-        hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
-                                                    : mesh_with_vertices(arguments_, window, progress, parallel_for);
+        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
+                                                          : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
             return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +
                    (tool::interrupted ? "; it is not written" : "");
-        // Between two samples a vertex may be further off than the bound, and out of the range that all tiles share: it comes back,
-        // where that is as far, and what is read back says whether the bound holds.
-        if (is_globe && range.low < range.high)
-            for (float& height : result.mesh.colors) {
-                const auto nearest = static_cast<float>(std::max(range.low, std::min(range.high, static_cast<double>(height))));
-                if (std::fabs(height - nearest) <= static_cast<float>(wanted)) height = nearest;
-            }
         end.vertices = result.mesh.vertex_count();
         end.triangles = result.mesh.face_count();
         if (const hmesh::Status status = write_model(arguments_, dem_, frame, range, tile, window, result.mesh.view(), bytes);
