@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
@@ -258,7 +259,7 @@ TEST_CASE("a Delaunay mesh costs its points and colours, and next to nothing for
     CHECK(flipped > plain + 200);
 }
 
-TEST_CASE("the bare profile has a head of four bytes and comes back") {
+TEST_CASE("the bare profile has a head of five bytes and comes back") {
     for (int channels = 1; channels <= 4; ++channels) {
         const Mesh mesh = random_mesh({96, 64, 256, 40, 0, 60, channels, 0}, 8);
         CompactOptions options;
@@ -266,8 +267,8 @@ TEST_CASE("the bare profile has a head of four bytes and comes back") {
         options.bare = true;
         const Bytes bytes = compact(mesh, options);
         CHECK(bytes.size() < whole - 10);
-        CHECK(bytes[1] == 95);
-        CHECK(bytes[2] == 63);
+        CHECK(bytes[1] == 96);
+        CHECK(bytes[2] == 64);
         const CompactMesh back = read_bare(bytes);
         REQUIRE(back.status);
         CHECK(hmesh_test::difference(mesh, back.mesh) == "");
@@ -276,8 +277,71 @@ TEST_CASE("the bare profile has a head of four bytes and comes back") {
     CompactOptions bare;
     bare.bare = true;
     CHECK(refusal(random_mesh({96, 64, 128, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);    // half px
-    CHECK(refusal(random_mesh({257, 64, 256, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);   // too wide
     CHECK(refusal(random_mesh({96, 64, 256, 40, 0, 60, 3, 0.5}, 8), bare).code == Errc::invalid_argument);  // holes
+}
+
+TEST_CASE("coarse colours come back within their steps, and the finer the nearer") {
+    for (int channels = 1; channels <= 4; ++channels) {
+        const Mesh mesh = random_mesh({96, 64, 256, 90, 0, 60, channels, 0}, 8);
+        double before = 1e9;
+        for (const std::uint32_t step : {1000U, 200U, 40U, 8U, 1U}) {
+            CompactOptions options;
+            options.color_step = step;
+            const CompactMesh back = read(compact(mesh, options));
+            REQUIRE(back.status);
+            // The same positions and faces: colours are compared at the places that both have in the file's order.
+            const Mesh exact = read(compact(mesh)).mesh;
+            CHECK(back.mesh.positions == exact.positions);
+            REQUIRE(back.mesh.faces == exact.faces);
+            double worst = 0;
+            for (std::size_t k = 0; k < exact.colors.size(); ++k)
+                worst =
+                    std::max(worst, std::abs(static_cast<double>(exact.colors[k]) - static_cast<double>(back.mesh.colors[k])));
+            CHECK(worst <= before);
+            // Steps are at most four times that of the mean area; errors of neighbours count too, and there are three planes.
+            CHECK(worst <= 1 + 12.0 * step / 16);
+            before = worst;
+        }
+    }
+}
+
+TEST_CASE("vertices are moved to a lattice, and faces stay as they lie") {
+    std::uint64_t seed = 70;
+    for (const std::uint32_t lattice : {16U, 100U, 256U}) {
+        const Mesh mesh = random_mesh({96, 65, 1, 60, 0, 60, 3, 0}, ++seed);
+        CompactOptions options;
+        options.lattice = lattice;
+        const CompactMesh back = read(compact(mesh, options));
+        REQUIRE(back.status);
+        CHECK(is_tiling(back.mesh));
+        CHECK(back.mesh.face_count() == mesh.face_count());
+        for (std::size_t k = 0; k < back.mesh.positions.size(); ++k) {
+            const double side = k % 2 == 0 ? 96 : 65, at = static_cast<double>(back.mesh.positions[k]);
+            CHECK((at == side || std::fmod(256 * at, lattice) == 0));
+        }
+        options.lattice = 256 * 90;
+        CHECK(refusal(mesh, options).code == Errc::invalid_argument);
+    }
+    CompactOptions options;
+    options.color_step = 4096;
+    CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
+    options.color_step = 5, options.colors = CompactColors::bits16;
+    CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
+}
+
+TEST_CASE("the size of a bare mesh may be told by others") {
+    const Mesh mesh = random_mesh({300, 200, 512, 40, 0, 60, 3, 0}, 8);
+    CompactOptions options;
+    options.bare = options.size_is_told = true;
+    const Bytes bytes = compact(mesh, options);
+    const CompactMesh back = hmesh::read_bare_compact(bytes.data(), bytes.size(), 300, 200);
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+    CHECK(!read_bare(bytes).status);
+    CHECK(!hmesh::read_bare_compact(bytes.data(), bytes.size(), 0, 200).status);
+    CHECK(!hmesh::read_bare_compact(bytes.data(), bytes.size(), 300, 65537).status);
+    options.bare = false;
+    CHECK(refusal(mesh, options).code == Errc::invalid_argument);
 }
 
 TEST_CASE("limits are kept, and their values checked") {
@@ -351,9 +415,9 @@ TEST_CASE("damage that checksums do not see gives a valid mesh or none") {
     }
     hmesh::kit::Random random(1);
     for (int k = 0; k < 300; ++k) {
-        Bytes noise{0x12, 40, 30, 0};
+        Bytes noise{0x12, 40, 30, 1, static_cast<unsigned char>(k % 100)};
         const std::size_t size = random.below(60);
-        while (noise.size() < 4 + size) noise.push_back(static_cast<unsigned char>(random.below(256)));
+        while (noise.size() < 5 + size) noise.push_back(static_cast<unsigned char>(random.below(256)));
         look(read_bare(noise));
     }
     CHECK(passed > 0);
@@ -374,7 +438,6 @@ TEST_CASE("heads that this version does not write are refused") {
     for (unsigned bit = 3; bit < 8; ++bit) CHECK(!status(15, static_cast<unsigned char>(whole[15] | 1U << bit)));
     CHECK(!status(16, 0));  // a width
     CHECK(!status(18, 0));  // a step
-    CHECK(!status(19, 0));  // a step of colours
 }
 
 TEST_CASE("compact files and what is read of them are those of yesterday") {
@@ -383,13 +446,16 @@ TEST_CASE("compact files and what is read of them are those of yesterday") {
                                                       {"gray", {16, 16, 64, 20, 0, 0, 1, 0}},
                                                       {"holes", {96, 64, 16, 40, 0, 90, 4, 0.25}},
                                                       {"wide", {65536, 2, 1, 30, 2, 90, 2, 0}},
-                                                      {"bare", {40, 30, 256, 40, 0, 60, 3, 0}}};
+                                                      {"bare", {40, 30, 256, 40, 0, 60, 3, 0}},
+                                                      {"coarse", {96, 64, 256, 60, 0, 60, 3, 0}},
+                                                      {"coarse_bare", {400, 300, 512, 60, 0, 60, 4, 0}}};
     std::uint64_t seed = 40;
     for (const auto& [name, kind] : files) {
         const std::string path = std::string(HMESH_TEST_SOURCE) + "/golden/compact/" + name;
         CAPTURE(path);
         CompactOptions options;
-        options.bare = std::string(name) == "bare";
+        options.bare = std::string(name).find("bare") != std::string::npos;
+        if (std::string(name).find("coarse") == 0) options.color_step = 90;
         const Bytes written = compact(random_mesh(kind, ++seed), options);
         if (renews)
             std::ofstream(path + ".hmc", std::ios::binary)

@@ -1,6 +1,7 @@
 """Reads compact files as docs/compact.md describes them, and shares no line with the library: slowly, by brute force."""
 import zlib
 from itertools import combinations
+from math import isqrt
 
 LOGISTIC = [32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
             64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
@@ -245,7 +246,13 @@ def read_flips(code, points):
     return apex
 
 
-def read_colors(code, points, apex, used, channels, most, is_float):
+def coarse_step(points, apex, v, mean, share, step):
+    area = sum(turn(points[a], points[b], points[c]) for (a, b), c in apex.items() if a == v)
+    ratio = max(16, min(mean // area, 4096))
+    return max(1, step * isqrt(ratio) * share // 256)
+
+
+def read_colors(code, points, apex, used, channels, most, is_float, color_step, mean):
     edges = {v: set() for v in range(len(points))}
     for a, b in apex:
         edges[a].add(b)
@@ -269,20 +276,25 @@ def read_colors(code, points, apex, used, channels, most, is_float):
         total = sum(w for _, w in near)
         sizes, signs = [0, 0], [0, 0]
         for c in order:
-            top = 2 * most if is_rgb and c in (1, 2) else most
-            guess = (sum(w * planes[u, c] for u, w in near) + total // 2) // total if near else (top + 1) // 2
+            is_difference = is_rgb and c in (1, 2)
+            top = 2 * most if is_difference else most
+            first, step = (top + 1) // 2, 1
+            if color_step:
+                top, first = 16383, 8192 if is_difference else 2048
+                step = coarse_step(points, apex, v, mean, (10, 12, 7, 17)[c if is_rgb else 3], color_step)
+            guess = (sum(w * planes[u, c] for u, w in near) + total // 2) // total if near else first
 
             def level(x):
                 if not near:
                     return 19
-                x = x // (total // 4 + 1)
+                x = x // (total * step // 4 + 1)
                 return min(18, x if x < 2 else 2 * x.bit_length() - 2 + (x >> (x.bit_length() - 2) & 1))
             spread = level(sum(w * abs(planes[u, c] - guess) for u, w in near))
             off = level(sum(w * missed[u, c] for u, w in near))
             other = (min(9, sizes[0]), sizes[1] > sizes[0])
             place = (min(19, nearest.bit_length()), min(7, len(near)))
             size = 0
-            while size < max(guess, top - guess).bit_length() and code.mixed(
+            while size < (max(guess, top - guess) // step).bit_length() and code.mixed(
                     [("s", c, size, spread), ("m", c, size, off), ("o", c, size, other), ("p", c, size, place)],
                     ("colors", c, size), 21845):
                 size += 1
@@ -293,12 +305,17 @@ def read_colors(code, points, apex, used, channels, most, is_float):
                 for _ in range(size - 1):
                     bit = code.bit("digit", c, size, node) if node < 4 else code.bits(1)
                     value, node = 2 * value + bit, 2 * node + bit
-            planes[v, c] = guess + (value if sign == 1 else -value)
+            planes[v, c] = guess + step * (value if sign == 1 else -value)
             assert 0 <= planes[v, c] <= top
-            missed[v, c] = value
+            missed[v, c] = step * value
             sizes, signs = [size, sizes[0]], [sign, signs[0]]
         color = [planes[v, c] for c in range(channels)]
-        if is_rgb:
+        if color_step:
+            if is_rgb:
+                y, o, n = color[0], color[1] - 8192, color[2] - 8192
+                color[:3] = [y + o - n, y + 2 * n, y - o - n]
+            color = [min(255, (max(0, x) + 8) // 16) for x in color]
+        elif is_rgb:
             o, n = color[1] - most, color[2] - most
             m = color[0] - n // 2
             color[:3] = [m - o // 2 + o, n + m, m - o // 2]
@@ -307,8 +324,8 @@ def read_colors(code, points, apex, used, channels, most, is_float):
     return colors
 
 
-def read_compact(data, is_bare=False):
-    """Width, height and channels; positions in 1/256 px with colours as numbers; faces."""
+def read_compact(data, is_bare=False, size=None):
+    """Width, height and channels; `size` where a bare file does not tell it; positions in 1/256 px with colours as numbers; faces."""
     at = 0
 
     def byte():
@@ -326,9 +343,11 @@ def read_compact(data, is_bare=False):
                 return value
 
     if is_bare:
-        first, width, height, color_step = byte(), byte() + 1, byte() + 1, byte() + 1
-        assert first >> 4 == 1
-        channels, kind, step, has_mask, points_kind = (first & 3) + 1, 0, 256, False, False
+        first = byte()
+        assert first >> 4 == (2 if size else 1)
+        width, height = size or (varint(), varint())
+        step, color_step = 256 * varint(), varint()
+        channels, kind, has_mask, points_kind = (first & 3) + 1, 0, False, False
         frame = None
     else:
         assert data[:6] == b"\x9dHMC\1\0" and int.from_bytes(data[6:10], "little") == len(data)
@@ -373,8 +392,8 @@ def read_compact(data, is_bare=False):
         faces = [face for face in faces if shown[face[:2]]]
     used = [not has_mask or any(v in face for face in faces) for v in range(len(points))]
     largest = (255, 65535, 2**32 - 1)[kind]
-    colors = read_colors(code, points, apex, used, channels, -(-largest // color_step), kind == 2)
+    colors = read_colors(code, points, apex, used, channels, largest, kind == 2, color_step, 1536 * w * h // len(points))
     number = {v: i for i, v in enumerate(sorted(colors))}
     return ((width, height, channels),
-            [(points[v][0] + left, points[v][1] + top, *(min(x * color_step, largest) for x in colors[v])) for v in sorted(colors)],
+            [(points[v][0] + left, points[v][1] + top, *colors[v]) for v in sorted(colors)],
             [tuple(number[v] for v in face) for face in faces])

@@ -112,6 +112,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
             {hmesh::CompactColors::bits8, hmesh::CompactColors::bits16, hmesh::CompactColors::floats});
         options.linear = input.flag();
         options.bare = input.one_in(8);
+        if (options.colors == hmesh::CompactColors::bits8) options.color_step = 16U * input.byte();
         hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
         mesh.is_good = false;  // it may be off the grid, or have flaws that other formats do not mind
         hmesh_test::fuzz_exporter(

@@ -34,6 +34,7 @@ struct CompactBody {
     std::vector<bool> shown;                 ///< which of them the mesh has
     std::vector<bool> used;                  ///< which points are corners of such
     std::vector<std::uint32_t> colors;       ///< of all points, `channels` numbers each, of those that are not used any
+    CoarseColors coarse;                     ///< how colours are told that are not exact
     std::array<std::size_t, 5> ends{};       ///< bytes so far after the numbers of points, points, flips, mask and colours
 
     /// The number of points.
@@ -130,7 +131,9 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     body.ends[3] = coder.position();
     const auto channels = static_cast<std::size_t>(head.channels);
     body.colors.resize(channels * points.size());
-    ColorCoder colors(coder, logistic, channels, head.most_number());
+    body.coarse.step = head.color_step;
+    body.coarse.mean_area = std::int64_t{head.frame_width} * head.frame_height * 1536 / static_cast<std::int64_t>(points.size());
+    ColorCoder colors(coder, logistic, channels, head.most_color(), body.coarse);
     if (!colors.code(mesh, body.used, body.colors)) return early;
     body.ends[4] = coder.position();
     return {};

@@ -2,9 +2,10 @@
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
 ///
 /// Vertices come in the order of their points; each is foretold by its neighbours that came before, the nearer the more, and told
-/// by its difference to that. Three channels are coded as a luma and two differences (H. Malvar and G. Sullivan, "YCoCg-R: a
-/// color space with RGB reversibility and low dynamic range", 2003), alpha before all. How large a difference may be is told by
-/// how much the neighbours differ, by how well they were foretold themselves, by their distance, and by the channels before.
+/// by its difference to that, exactly or in steps. Three channels are coded as a luma and two differences: exact ones by H.
+/// Malvar and G. Sullivan, "YCoCg-R: a color space with RGB reversibility and low dynamic range", 2003, coarse ones as three that
+/// are orthogonal; alpha comes before all. How large a difference may be is told by how much the neighbours differ, by how well
+/// they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
 #ifndef HMESH_IO_COMPACT_COLORS_HPP
@@ -12,12 +13,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/mixer.hpp"
+#include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
 #include "hmesh/io/compact/triangulation.hpp"
 
@@ -38,14 +41,56 @@ namespace hmesh::detail {
     return {blue + orange, green + middle, blue};
 }
 
+/// Coarse colours: planes of a luma and two differences that are orthogonal, each in 16ths of a 255th, the differences with
+/// 8192 more;
+/// of one or two channels the channels themselves. What is coded of a plane is a multiple of the vertex's step, from
+/// its guess on.
+struct CoarseColors {
+    static constexpr std::int64_t most = 16383, middle = 8192;
+
+    std::int64_t step = 0;          ///< of a vertex of mean area, 1 to 4095; 0: colours are exact
+    std::int64_t mean_area = 0;     ///< of 256 times the faces around a vertex, twice the area
+    std::vector<double> wanted{};   ///< where it is written: the planes of each point
+    std::vector<double> missing{};  ///< where it is written: what was written of them less that
+
+    /// The planes of a colour in 255ths.
+    [[nodiscard]] static std::array<double, 4> planes(std::array<double, 4> color, bool is_rgb) noexcept {
+        for (double& value : color) value *= 16;
+        if (is_rgb) {
+            const auto [r, g, b, a] = color;
+            color = {(r + g + b) / 3, (r - b) / 2 + middle, (2 * g - r - b) / 6 + middle, a};
+        }
+        return color;
+    }
+    /// The colour of planes, in 255ths.
+    [[nodiscard]] static std::array<std::int64_t, 4> color(std::array<std::int64_t, 4> plane, bool is_rgb) noexcept {
+        if (is_rgb) {
+            const std::int64_t luma = plane[0], orange = plane[1] - middle, green = plane[2] - middle;
+            plane = {luma + orange - green, luma + 2 * green, luma - orange - green, plane[3]};
+        }
+        for (std::int64_t& value : plane) value = std::min<std::int64_t>((std::max<std::int64_t>(value, 0) + 8) / 16, 255);
+        return plane;
+    }
+    /// The step of a plane of a vertex, of which a vertex of a fourth of the mean area has twice that of the mean: so all errors
+    /// count the same. `area`: twice that of the faces around the vertex.
+    [[nodiscard]] std::int64_t step_of(std::int64_t area, std::size_t channel, bool is_rgb) const noexcept {
+        static constexpr std::array<std::int64_t, 4> shares{10, 12, 7, 17};  // of the vectors' lengths: 17.3, 17.0, 17.1, 17
+        const std::int64_t ratio = std::max<std::int64_t>(16, std::min<std::int64_t>(mean_area / area, 4096));
+        std::int64_t root = 4;
+        while ((root + 1) * (root + 1) <= ratio) ++root;
+        return std::max<std::int64_t>(1, step * root * shares[is_rgb ? channel : 3] / 256);
+    }
+};
+
 /// Codes colours. `channels` numbers a vertex, interleaved.
 class ColorCoder {
   public:
-    /// With the coder that it writes to or reads from, which outlives it, as the tables do. Numbers are 0 to `most` < 2^32.
-    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most)
-        : coder_(&coder), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20),
-          misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3),
-          digits_(steps * 4 * 8) {}
+    /// With the coder that it writes to or reads from, which outlives it, as the tables and `coarse` do. Numbers are 0 to `most`,
+    /// below 2^32, of coarse colours 255.
+    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most, CoarseColors& coarse)
+        : coder_(&coder), coarse_(&coarse), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845),
+          spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8),
+          signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
@@ -54,13 +99,15 @@ class ColorCoder {
         const bool is_rgb = channels_ >= 3 && most_ < 65536, has_alpha = channels_ % 2 == 0;
         planes_.assign(n * channels_, 0);
         missed_.assign(n * channels_, 0);
+        const bool is_coarse = coarse_->step > 0;
         std::size_t last = n;  // the vertex coded before
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             find_neighbors(mesh, used, v, last);
+            if (is_coarse) find_shares(mesh, v);
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
-            if (coder_->writes()) {
+            if (coder_->writes() && !is_coarse) {
                 for (std::size_t k = 0; k < channels_; ++k) truth[k] = color[k];
                 if (is_rgb) {
                     const auto luma = to_luma({truth[0], truth[1], truth[2]}, most_);
@@ -72,13 +119,17 @@ class ColorCoder {
             for (std::size_t k = 0; k < channels_; ++k) {
                 const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
-                const std::int64_t got =
-                    code_number(v, channel, is_difference ? 2 * most_ : most_, truth[channel], before, turns);
+                Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
+                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area_, channel, is_rgb);
+                plane.first = !is_coarse ? (plane.most + 1) / 2 : is_difference ? CoarseColors::middle : 2048;
+                const std::int64_t got = code_number(v, plane, truth[channel], before, turns);
                 if (got < 0) return false;
                 truth[channel] = got;
             }
             for (std::size_t k = 0; k < channels_; ++k) planes_[v * channels_ + k] = static_cast<std::uint32_t>(truth[k]);
-            if (is_rgb) {
+            if (is_coarse) {
+                truth = CoarseColors::color(truth, is_rgb);
+            } else if (is_rgb) {
                 const auto rgb = from_luma({truth[0], truth[1], truth[2]}, most_);
                 std::copy(rgb.begin(), rgb.end(), truth.begin());
             }
@@ -98,6 +149,11 @@ class ColorCoder {
     struct Neighbor {
         std::size_t vertex;
         std::int64_t weight;
+    };
+    // What is coded of a vertex: a channel, its largest number, its step and what the first vertex is foretold as.
+    struct Plane {
+        std::size_t channel;
+        std::int64_t most, step, first;
     };
 
     // The neighbours of v that were coded before it, and how much each counts: as the distance's reciprocal.
@@ -126,13 +182,50 @@ class ColorCoder {
         known_ = std::min<std::size_t>(neighbors_.size(), 7);
     }
 
+    // Twice the area of the faces around v, and how much what its neighbours miss counts for it: as two linear functions that are
+    // 1 at one of both vertices and 0 at all others have in common, of what one has with itself.
+    void find_shares(const Triangulation& mesh, std::size_t v) {
+        const auto at = static_cast<Triangulation::Index>(v);
+        const auto area_beside = [&](Triangulation::Index e) {
+            const Triangulation::Index c = mesh.apex(e);
+            return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+        };
+        area_ = 0;
+        shared_.clear();
+        Triangulation::Index e = mesh.first(at);
+        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
+            const std::int64_t area = area_beside(e);
+            area_ += area;
+            if (coder_->writes() && mesh.to(e) < at)
+                shared_.push_back({mesh.to(e), area + area_beside(Triangulation::opposite(e))});
+        }
+    }
+
+    // Which multiple of a plane's step leads nearest to what is wanted, those before it taken as they are: what they miss is made
+    // good, in part, since those behind it will do so too.
+    [[nodiscard]] std::int64_t coarse_difference(std::size_t v, const Plane& plane, std::int64_t guess) {
+        double wanted = coarse_->wanted[v * channels_ + plane.channel], missing = 0;
+        for (const Neighbor& neighbor : shared_)
+            missing += static_cast<double>(neighbor.weight) * coarse_->missing[neighbor.vertex * channels_ + plane.channel];
+        constexpr double passed_on = 0.7;
+        wanted -= passed_on * missing / (2 * static_cast<double>(area_));
+        const double off = (wanted - static_cast<double>(guess)) / static_cast<double>(plane.step);
+        constexpr double least = 0.6;  // a smaller share of a step than one half is worth less than its bits
+        auto whole = static_cast<std::int64_t>(std::max(0.0, std::abs(off) + 1 - least));
+        const std::int64_t room = (off < 0 ? guess : plane.most - guess) / plane.step;
+        whole = std::min(whole, room);
+        return off < 0 ? -whole : whole;
+    }
+
     [[nodiscard]] static std::size_t size_of(std::int64_t difference) noexcept {
         return static_cast<std::size_t>(digits_of(static_cast<std::uint64_t>(difference < 0 ? -difference : difference)));
     }
 
-    // Codes one number, from 0 to `most`. Below 0: what is read is none.
-    std::int64_t code_number(std::size_t v, std::size_t channel, std::int64_t most, std::int64_t truth,
-                             std::array<std::size_t, 2>& before, std::array<std::size_t, 2>& turns) {
+    // Codes one number of a plane. Below 0: what is read is none.
+    std::int64_t code_number(std::size_t v, const Plane& plane, std::int64_t truth, std::array<std::size_t, 2>& before,
+                             std::array<std::size_t, 2>& turns) {
+        const std::size_t channel = plane.channel;
+        const std::int64_t most = plane.most, step = plane.step, first = plane.first;
         std::int64_t sum = 0, weights = 0, missed = 0;
         for (const Neighbor& neighbor : neighbors_) {
             const std::size_t i = neighbor.vertex * channels_ + channel;
@@ -140,21 +233,22 @@ class ColorCoder {
             missed += neighbor.weight * std::int64_t{missed_[i]};
             weights += neighbor.weight;
         }
-        const std::int64_t guess = weights == 0 ? (most + 1) / 2 : (sum + weights / 2) / weights;
+        const std::int64_t guess = weights == 0 ? first : (sum + weights / 2) / weights;
         std::int64_t spread = 0;
         for (const Neighbor& neighbor : neighbors_) {
             const std::int64_t off = std::int64_t{planes_[neighbor.vertex * channels_ + channel]} - guess;
             spread += neighbor.weight * (off < 0 ? -off : off);
         }
-        // Four times the mean, in half powers of two.
+        // Four times the mean, in steps and half powers of two.
         const auto level = [&](std::int64_t total) {
             if (weights == 0) return std::size_t{19};
-            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (weights / 4 + 1))), 18);
+            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (weights * step / 4 + 1))), 18);
         };
         const std::size_t spread_level = level(spread), missed_level = level(missed);
-        const std::int64_t difference = truth - guess;
+        std::int64_t difference = truth - guess;
+        if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess);
         // The number of digits of the difference, one by one.
-        const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess));
+        const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess) / step);
         std::size_t size = 0;
         const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         for (; size < largest; ++size) {
@@ -184,11 +278,15 @@ class ColorCoder {
                 }
                 digits = digits << 1 | (got ? 1U : 0U);
             }
-            number += is_below ? -static_cast<std::int64_t>(digits) : static_cast<std::int64_t>(digits);
+            number += is_below ? -step * static_cast<std::int64_t>(digits) : step * static_cast<std::int64_t>(digits);
             turn = is_below ? 2 : 1;
         }
         if (number < 0 || number > most) return -1;
         missed_[v * channels_ + channel] = static_cast<std::uint32_t>(number > guess ? number - guess : guess - number);
+        if (coarse_->step > 0 && coder_->writes()) {
+            const std::size_t i = v * channels_ + channel;
+            coarse_->missing[i] = static_cast<double>(number) - coarse_->wanted[i];
+        }
         before = {size, before[0]};
         turns = {turn, turns[0]};
         return number;
@@ -201,12 +299,14 @@ class ColorCoder {
     }
 
     ArithmeticCoder* coder_;
+    CoarseColors* coarse_;
     std::size_t channels_;
     std::int64_t most_;
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
     std::vector<std::uint32_t> planes_, missed_;
-    std::vector<Neighbor> neighbors_;
+    std::vector<Neighbor> neighbors_, shared_;
+    std::int64_t area_ = 0;
     std::size_t distance_ = 0, known_ = 0;
 };
 

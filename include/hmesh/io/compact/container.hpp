@@ -31,6 +31,7 @@ namespace detail {
 /// What the head of a compact file says.
 struct CompactHead {
     static constexpr std::uint32_t widest = std::uint32_t{1} << 25;  ///< side of a frame, in 1/256 px
+    static constexpr std::uint32_t coarsest = 4095;                  ///< step of colours
 
     int channels = 0;                                 ///< 1 to 4
     CompactColors colors = CompactColors::bits8;      ///< how colours are held
@@ -41,7 +42,7 @@ struct CompactHead {
     int width = 0, height = 0;                        ///< px of the image
     double peak = 0;                                  ///< colour value of full intensity
     std::uint32_t step = 1;                           ///< of the lattice, in 1/256 px
-    std::uint32_t color_step = 1;                     ///< of colours that are no floats
+    std::uint32_t color_step = 0;                     ///< 0: colours are exact; else that of CoarseColors
     std::int32_t left = 0, top = 0;                   ///< the frame, the rectangle that all faces fill, in 1/256 px
     std::uint32_t frame_width = 0, frame_height = 0;  ///< its size
 
@@ -52,10 +53,6 @@ struct CompactHead {
     /// The largest colour before steps.
     [[nodiscard]] std::uint32_t most_color() const noexcept {
         return colors == CompactColors::bits8 ? 255 : colors == CompactColors::bits16 ? 65535 : 0xffffffffU;
-    }
-    /// The largest number that stands for a colour.
-    [[nodiscard]] std::uint32_t most_number() const noexcept {
-        return color_step == 1 ? most_color() : (most_color() + color_step - 1) / color_step;
     }
     /// Makes the image's rectangle the frame.
     void frame_image() noexcept {
@@ -88,7 +85,6 @@ struct CompactHead {
 inline constexpr std::array<std::uint8_t, 4> compact_magic{0x9d, 'H', 'M', 'C'};  ///< how files begin
 inline constexpr std::uint8_t compact_version = 1;                                ///< of the format
 inline constexpr std::size_t compact_checked = 14;  ///< bytes before those that say what the mesh is
-inline constexpr std::size_t bare_head_size = 4;    ///< bytes of the head of the bare profile
 
 /// Bytes that are read one after another, never behind their end.
 class ByteReader {
@@ -224,46 +220,61 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
     if (in.has_failed()) return refused("the compact file ends early or is damaged, in its head");
     if (head.step < 1 || head.step > CompactHead::widest)
         return refused("the compact file's lattice must have a step of 1 to 2^25, in 1/256 px", head.step, CompactHead::widest);
-    if (head.color_step < 1 || head.color_step > (head.colors == CompactColors::floats ? 1 : head.most_color()))
-        return refused("the compact file's colours have a step that they cannot have", head.color_step, head.most_color());
+    if (head.color_step > (head.colors == CompactColors::bits8 ? CompactHead::coarsest : 0))
+        return refused("the compact file's colours have a step that they cannot have", head.color_step, CompactHead::coarsest);
     if (!kit::is_finite(head.peak) || head.peak <= 0 || ((first & 128U) != 0 && head.peak == head.usual_peak()))
         return refused("the compact file's peak must be positive, finite and not the usual one");
     return {};
 }
 
-// --- the bare profile: all in four bytes ---
+// --- the bare profile: a few bytes, and no checksum ---
+
+/// The size of an image that is told by others.
+struct ToldSize {
+    int width = 0, height = 0;  ///< px; 0: it is told by the file
+};
 
 /// Whether the bare profile can hold what a head says.
 [[nodiscard]] inline bool is_bare(const CompactHead& head) noexcept {
     return head.colors == CompactColors::bits8 && head.peak == 255 && !head.is_masked && head.periodic == Periodic::none &&
-           head.samples == Samples::squares && head.width <= 256 && head.height <= 256 && head.step % 256 == 0 &&
-           head.is_image_framed();
+           head.samples == Samples::squares && head.step % 256 == 0 && head.is_image_framed();
 }
-/// Puts the head of the bare profile. The lattice has a step of 1 px.
-inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
-    out.push_back(static_cast<std::uint8_t>(compact_version << 4 | (head.linear ? 8 : 0) | (head.premultiplied ? 4 : 0) |
+/// Puts the head of the bare profile, with or without the image's size.
+inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head, bool is_size_told) {
+    out.push_back(static_cast<std::uint8_t>((is_size_told ? 2 : 1) << 4 | (head.linear ? 8 : 0) | (head.premultiplied ? 4 : 0) |
                                             (head.channels - 1)));
-    for (const std::uint32_t value :
-         {static_cast<std::uint32_t>(head.width), static_cast<std::uint32_t>(head.height), head.color_step})
-        out.push_back(static_cast<std::uint8_t>(value - 1));
+    if (!is_size_told)
+        for (const int side : {head.width, head.height}) put_varint(out, static_cast<std::uint32_t>(side));
+    put_varint(out, head.step / 256);
+    put_varint(out, head.color_step);
 }
 /// Reads it.
-[[nodiscard]] inline Status get_bare_head(ByteReader& in, CompactHead& head) {
+[[nodiscard]] inline Status get_bare_head(ByteReader& in, ToldSize told, CompactHead& head) {
+    constexpr auto refused = [](const char* what, double value = 0, double limit = 0) {
+        return Status(Errc::invalid_argument, what, value, limit);
+    };
     const unsigned first = in.u8();
-    if (first >> 4 != compact_version)
-        return {Errc::invalid_argument, "these bytes are no bare compact mesh of a version known", first >> 4, compact_version};
+    if (first >> 4 != 1 && first >> 4 != 2)
+        return refused("these bytes are no bare compact mesh of a version known", first >> 4, 2);
+    if ((first >> 4 == 2) != (told.width != 0))
+        return refused("a bare compact mesh is read with its size where it does not tell it, and without where it does");
     head.channels = static_cast<int>(first & 3U) + 1;
     head.premultiplied = (first & 4U) != 0;
     head.linear = (first & 8U) != 0;
-    head.width = in.u8() + 1;
-    head.height = in.u8() + 1;
-    head.color_step = in.u8() + 1U;
-    head.step = 256;
+    for (std::uint32_t side : {static_cast<std::uint32_t>(told.width), static_cast<std::uint32_t>(told.height)}) {
+        if (told.width == 0) side = in.varint();
+        if (side < 1 || side > 65536) return refused("the bare compact mesh must have sides of 1 to 65536 px", side, 65536);
+        (head.width == 0 ? head.width : head.height) = static_cast<int>(side);
+    }
+    const std::uint32_t step = in.varint();
+    head.color_step = in.varint();
     head.peak = 255;
     head.frame_image();
-    if (in.has_failed()) return {Errc::invalid_argument, "the bare compact mesh ends in its head"};
-    if (head.color_step > 255)
-        return {Errc::invalid_argument, "the bare compact mesh has too large a step of colours", head.color_step, 255};
+    if (in.has_failed()) return refused("the bare compact mesh ends in its head");
+    if (step < 1 || step > 65536) return refused("the bare compact mesh must have a lattice of 1 to 65536 px", step, 65536);
+    if (head.color_step > CompactHead::coarsest)
+        return refused("the bare compact mesh has too large a step of colours", head.color_step, CompactHead::coarsest);
+    head.step = 256 * step;
     return {};
 }
 

@@ -138,7 +138,7 @@ class FlipCoder {
             0;  // triangles beyond the four sides that a flip has made, and those of them that one of this round has
         for (const Index side :
              {mesh.next(e), mesh.next(o), Triangulation::opposite(mesh.previous(e)), Triangulation::opposite(mesh.previous(o))})
-            near += rounds[side] == 0 ? 0 : rounds[side] == round ? 6 : 1;
+            near += rounds[side] == 0 ? 0U : rounds[side] == round ? 6U : 1U;
         const int at_a = angle64(a, d, c), at_b = angle64(b, c, d);
         const auto place = [](int low, int high) {
             return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4);
