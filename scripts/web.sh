@@ -43,7 +43,8 @@ link() {
     shift
     emscripten -Os "$objects/$name"/*.o -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY \
         -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
-        -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 "$@"
+        -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 "$@" &&
+        wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-threads "$package/$name.wasm" -o "$package/$name.wasm"
 }
 
 # Emscripten's own threads want its JavaScript (3.1.6 refuses them with STANDALONE_WASM). Ours share a memory with the libraries of
