@@ -145,9 +145,15 @@ std::vector<Corners<C>> corners_of(const IndexedMesh<C>& whole, const PatchResul
     std::vector<Corners<C>> out;
     for (const Triangle& t : result.faces) {
         Corners<C> corners;
-        for (std::size_t k = 0; k < 3; ++k)
-            corners[k] = t[k] < free ? hmesh_test::corner_of<C>(result.positions[t[k]], result.colors[t[k]])
-                                     : hmesh_test::corner_of(whole, result.locked[t[k] - free]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            if (t[k] >= free) {
+                corners[k] = hmesh_test::corner_of(whole, result.locked[t[k] - free]);
+                continue;
+            }
+            const Point position = result.positions[t[k]];
+            corners[k] = {position.x, position.y};
+            std::copy(result.colors[t[k]].begin(), result.colors[t[k]].end(), corners[k].begin() + 2);
+        }
         out.push_back(hmesh_test::turned<C>(corners));
     }
     std::sort(out.begin(), out.end());
