@@ -14529,7 +14529,7 @@ template <int C>
     else if (!table.is_weighted()) look_at_differences(table.template entries<double>());
     else
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            Color<C> sample;
+            Color<C> sample = Color<C>::zero();
             for (int i = begin; i < end; ++i) {
                 if (!(table.weight(i, j) > least_weight)) continue;
                 table.pixel(i, j, sample);
@@ -16239,6 +16239,34 @@ template <class T, int C>
 
 #endif  // HMESH_RENDER_HPP
 
+// ---- hmesh/image/samples.hpp
+
+/// \file
+/// Samples of one channel as real numbers: what code needs that looks at images of all types, compiled once.
+#ifndef HMESH_IMAGE_SAMPLES_HPP
+#define HMESH_IMAGE_SAMPLES_HPP
+
+namespace hmesh::kit {
+
+/// Writes the stored values of one channel at the pixels [begin, end) of a row to values[0], values[1] ...
+using ReadSamples = FunctionRef<void(int channel, int row, int begin, int end, double* values)>;
+
+/// The samples of a view, for a ReadSamples: any thread may call it. Some 1 ns a sample.
+template <class T, int C>
+struct ViewSamples {
+    ImageView<T, C> view;  ///< its pixels must outlive this
+
+    /// Writes them.
+    void operator()(int channel, int row, int begin, int end, double* values) const {
+        const T* sample = view.pixel(begin, row) + channel;
+        for (int i = begin; i < end; ++i, sample += C) *values++ = PixelTraits<T>::to_real(*sample);
+    }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_IMAGE_SAMPLES_HPP
+
 // ---- hmesh/solve/pcg.hpp
 
 /// \file
@@ -16468,9 +16496,6 @@ struct ChannelLight {
     Array<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// Writes the stored values of one channel for the pixels [begin, end) of a row.
-using ReadSamples = FunctionRef<void(std::size_t channel, int row, int begin, int end, double* out)>;
-
 /// The error of a mesh against the image of its size and channels, and its Gauss-Newton system, for one channel k at a time.
 class LinearLight {
   public:
@@ -16600,7 +16625,7 @@ class LinearLight {
         const auto add_pixels = [&](int j, int begin, int end) {
             std::array<double, block> samples;
             const int left = wraps ? begin % mesh_.width : begin, row = wraps ? j % mesh_.height : j;
-            read_(k, row, left, left + end - begin, samples.data());
+            read_(static_cast<int>(k), row, left, left + end - begin, samples.data());
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(left, row) : nullptr;
             for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
@@ -16753,10 +16778,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     kit::HalfedgeMesh topology;
     report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
     if (!report.status) return report;
-    const auto read = [&](std::size_t channel, int row, int begin, int end, double* out) {
-        const T* sample = view.pixel(begin, row) + channel;
-        for (int i = begin; i < end; ++i, sample += C) *out++ = PixelTraits<T>::to_real(*sample);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);
 }
 

@@ -3552,9 +3552,6 @@ struct Proof {
     bool is_cover = true;     ///< whether it covers all that it must and nothing without data, with faces that do not overlap
 };
 
-/// Reads samples [begin, end) of row j of a channel into `values`.
-using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, double* values)>;
-
 namespace detail {
 
 /// Rows of samples that are a piece of work.
@@ -3852,10 +3849,7 @@ template <class T, int C>
                          field.bad_row};
         return result;
     }
-    const auto read = [&](int channel, int j, int begin, int end, double* values) {
-        const T* from = view.pixel(begin, j) + channel;
-        for (int i = begin; i < end; ++i, from += C) *values++ = PixelTraits<T>::to_real(*from);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return detail::mesh_bounded(field, options, recipe, PixelTraits<T>::peak, read, parallel_for);
 }
 

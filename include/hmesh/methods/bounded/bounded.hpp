@@ -180,10 +180,7 @@ template <class T, int C>
                          field.bad_row};
         return result;
     }
-    const auto read = [&](int channel, int j, int begin, int end, double* values) {
-        const T* from = view.pixel(begin, j) + channel;
-        for (int i = begin; i < end; ++i, from += C) *values++ = PixelTraits<T>::to_real(*from);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return detail::mesh_bounded(field, options, recipe, PixelTraits<T>::peak, read, parallel_for);
 }
 

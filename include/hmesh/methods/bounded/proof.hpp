@@ -13,8 +13,8 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/image/samples.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"
@@ -31,9 +31,6 @@ struct Proof {
     std::size_t samples = 0;  ///< how many samples the mesh covers
     bool is_cover = true;     ///< whether it covers all that it must and nothing without data, with faces that do not overlap
 };
-
-/// Reads samples [begin, end) of row j of a channel into `values`.
-using ReadSamples = FunctionRef<void(int channel, int j, int begin, int end, double* values)>;
 
 namespace detail {
 
