@@ -39,10 +39,13 @@ has_header() {
 }
 
 # Whether a python3 has it, and Pillow: of the path, or the system's.
-has_pytest() {
+has_pytest() { python_with PIL pytest >/dev/null; }
+
+# python_with MODULE...: prints the first python3, of the path or the system's, that has all of these modules; false: none has.
+python_with() {
     local python
     for python in $(type -ap python3) /usr/bin/python3; do
-        ! "$python" -c 'import PIL, pytest' 2>/dev/null || return 0
+        ! "$python" -c "import $(IFS=, && printf %s "$*")" 2>/dev/null || { printf '%s\n' "$python" && return 0; }
     done
     return 1
 }
@@ -83,6 +86,11 @@ need() {
                 ;;
             stb) has_header stb_image.h || packages+=(libstb-dev) ;;
             pytest) has_pytest || packages+=(python3 python3-pil python3-pytest) ;;
+            python-package)  # what packaging/python is built and tested with
+                python_with pybind11 numpy setuptools wheel pip pytest PIL ensurepip sysconfig >/dev/null ||
+                    packages+=(python3-pybind11 python3-dev python3-numpy python3-setuptools python3-wheel python3-pip
+                               python3-venv python3-pytest python3-pil)
+                ;;
             doctest) has_header doctest/doctest.h || packages+=(doctest-dev) ;;
             benchmark) has_header benchmark/benchmark.h || packages+=(libbenchmark-dev) ;;
             opengl)  # what examples draw with
@@ -108,6 +116,7 @@ need() {
             mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
             wine) has wine || packages+=(wine wine64) ;;
             emscripten) has em++ || packages+=(emscripten) ;;
+            node) has node || packages+=(nodejs) ;;
             browser)  # what tests of pages run
                 has "${CHROMIUM:-chromium}" || packages+=(chromium)
                 has node || packages+=(nodejs)

@@ -1,18 +1,21 @@
 #!/usr/bin/env bash
-# Builds what runs in browsers: the package `hmesh` of packaging/npm, into build/web/npm.
+# Builds what runs in browsers: the package `hmesh` of packaging/npm, into build/web/npm, and the page of web/,
+# build/web/index.html with what it loads and, in one file, build/web/hmesh.html.
 #
-# usage: scripts/web.sh [--test [--quick]]
-# It installs Emscripten where that is missing. With --test it tests the package in node and Chromium, against the command where
-# scripts/test.sh has built that, and, unless --quick, with vite, webpack, esbuild, deno and TypeScript, which it installs into
-# build/web/tools.
+# usage: scripts/web.sh [--serve [PORT] | --test [--quick]]
+# It installs Emscripten and Node where these are missing. With --serve it then serves the page to this machine, at port 8080
+# unless another is given. With --test it tests the package in node and Chromium, against the command where scripts/test.sh has
+# built that, then the page in Chromium, and, unless --quick, the package with vite, webpack, esbuild, deno and TypeScript, which
+# it installs into build/web/tools.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
 case $*: in
     : | --test: | "--test --quick:") ;;
-    *) fail "usage: scripts/web.sh [--test [--quick]]" ;;
+    --serve: | "--serve ${2-}:") ;;
+    *) fail "usage: scripts/web.sh [--serve [PORT] | --test [--quick]]" ;;
 esac
-need eigen emscripten
+need eigen emscripten node
 
 source=packaging/npm
 objects=build/web/objects
@@ -57,6 +60,8 @@ mkdir -p "$package" "$objects/hmesh" "$objects/hmesh.threads"
 step "Building $package ..." build_modules
 cp "$source"/src/*.js "$source"/src/*.d.ts "$source/package.json" "$source/README.md" LICENSE "$package"
 
+step "Putting the page together in build/web ..." node web/build.mjs build/web
+[ "${1-}" != --serve ] || exec node web/serve.mjs build/web "${2-8080}"
 [ "${1-}" = --test ] || exit 0
 need browser
 tools=build/viewers
@@ -72,4 +77,10 @@ else
 fi
 command=$PWD/build/release/bin/hmesh
 [ -x "$command" ] || command=
-CHROMIUM=${CHROMIUM:-$(command -v chromium)} sh tests/web/run.sh "$package" "$command" ${2+"$2"}
+export CHROMIUM=${CHROMIUM:-$(command -v chromium)}
+sh tests/web/run.sh "$package" "$command" ${2+"$2"}
+need viewers
+need_node_modules "$PWD/build/viewers"
+psnr=$PWD/build/release/bin/psnr
+[ -x "$psnr" ] || psnr=
+sh tests/web/page.sh build/web "$command" "$psnr"

@@ -3920,6 +3920,48 @@ if (view.share > 0) drawOriginal(view);
 if (view.wires) drawEdges(view);
 };
 }
+function listenToPointers(canvas, { pan, zoom, fit }) {
+const pointers = new Map();
+const fromCenter = (x, y) => {
+const box = canvas.getBoundingClientRect();
+const ratio = canvas.width / box.width;
+return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
+};
+const onWheel = (event) => {
+event.preventDefault();
+const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
+const pinch = event.ctrlKey ? 4 : 1;
+const [x, y] = fromCenter(event.clientX, event.clientY);
+zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
+};
+canvas.addEventListener('wheel', onWheel, { passive: false });
+canvas.addEventListener('pointerdown', (event) => {
+canvas.setPointerCapture(event.pointerId);
+pointers.set(event.pointerId, [event.clientX, event.clientY]);
+canvas.classList.add('drag');
+});
+canvas.addEventListener('pointermove', (event) => {
+const last = pointers.get(event.pointerId);
+if (!last) return;
+const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+const ratio = fromCenter(0, 0)[2];
+const now = [event.clientX, event.clientY];
+pointers.set(event.pointerId, now);
+if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
+if (others.length !== 1) return;
+const [still] = others;
+const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
+zoom(span(now) / span(last), x, y);
+pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
+});
+for (const type of ['pointerup', 'pointercancel'])
+canvas.addEventListener(type, (event) => {
+pointers.delete(event.pointerId);
+if (pointers.size === 0) canvas.classList.remove('drag');
+});
+canvas.addEventListener('dblclick', fit);
+}
 const byId = (id) => document.getElementById(id);
 const canvas = byId('mesh');
 const share = byId('share');
@@ -3992,7 +4034,8 @@ byId(button.getAttribute('aria-controls')).hidden = folded;
 }
 function foldAll() {
 const folded = !folds.every(isFolded);
-for (const button of folds) fold(button, folded);
+)html"
+R"html(for (const button of folds) fold(button, folded);
 }
 function toggleHelp() {
 if (help.open) help.close();
@@ -4012,49 +4055,6 @@ canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
 canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
 if (isFitted) fit();
 else redraw();
-}
-function listenToPointers() {
-const pointers = new Map();
-const fromCenter = (x, y) => {
-const box = canvas.getBoundingClientRect();
-const ratio = canvas.width / box.width;
-return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
-};
-const onWheel = (event) => {
-event.preventDefault();
-const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
-const pinch = event.ctrlKey ? 4 : 1;
-const [x, y] = fromCenter(event.clientX, event.clientY);
-zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
-};
-canvas.addEventListener('wheel', onWheel, { passive: false });
-canvas.addEventListener('pointerdown', (event) => {
-canvas.setPointerCapture(event.pointerId);
-pointers.set(event.pointerId, [event.clientX, event.clientY]);
-canvas.classList.add('drag');
-});
-canvas.addEventListener('pointermove', (event) => {
-const last = pointers.get(event.pointerId);
-if (!last) return;
-const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
-const ratio = fromCenter(0, 0)[2];
-const now = [event.clientX, event.clientY];
-pointers.set(event.pointerId, now);
-if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
-if (others.length !== 1) return;
-)html"
-R"html(const [still] = others;
-const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
-const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-zoom(span(now) / span(last), x, y);
-pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
-});
-for (const type of ['pointerup', 'pointercancel'])
-canvas.addEventListener(type, (event) => {
-pointers.delete(event.pointerId);
-if (pointers.size === 0) canvas.classList.remove('drag');
-});
-canvas.addEventListener('dblclick', fit);
 }
 function listenToKeys() {
 const step = () => 0.1 * Math.min(canvas.width, canvas.height);
@@ -4136,7 +4136,7 @@ if (location.hash === '#original') share.value = 1;
 document.body.classList.toggle('native', isNative);
 if (original && !original.complete) original.onload = redraw;
 if (!isNative) {
-listenToPointers();
+listenToPointers(canvas, { pan, zoom, fit });
 listenToKeys();
 listenToControls();
 }
@@ -14220,7 +14220,7 @@ class AnnealedRun {
         const double count = std::min(most, wanted);
         Array<std::uint32_t> pixels;
         Array<Point> on_lines;
-        const bool has_sides = source.samples() == Samples::points && border_->empty();
+        const bool has_sides = source.samples() == Samples::points && source.periodic() == Periodic::none && border_->empty();
         if (has_sides) on_lines = side_points(source, count);
         if (source.is_read() && source.periodic() == Periodic::none) {
             const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));
@@ -14529,7 +14529,7 @@ template <int C>
     else if (!table.is_weighted()) look_at_differences(table.template entries<double>());
     else
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            Color<C> sample;
+            Color<C> sample = Color<C>::zero();
             for (int i = begin; i < end; ++i) {
                 if (!(table.weight(i, j) > least_weight)) continue;
                 table.pixel(i, j, sample);
@@ -16239,6 +16239,34 @@ template <class T, int C>
 
 #endif  // HMESH_RENDER_HPP
 
+// ---- hmesh/image/samples.hpp
+
+/// \file
+/// Samples of one channel as real numbers: what code needs that looks at images of all types, compiled once.
+#ifndef HMESH_IMAGE_SAMPLES_HPP
+#define HMESH_IMAGE_SAMPLES_HPP
+
+namespace hmesh::kit {
+
+/// Writes the stored values of one channel at the pixels [begin, end) of a row to values[0], values[1] ...
+using ReadSamples = FunctionRef<void(int channel, int row, int begin, int end, double* values)>;
+
+/// The samples of a view, for a ReadSamples: any thread may call it. Some 1 ns a sample.
+template <class T, int C>
+struct ViewSamples {
+    ImageView<T, C> view;  ///< its pixels must outlive this
+
+    /// Writes them.
+    void operator()(int channel, int row, int begin, int end, double* values) const {
+        const T* sample = view.pixel(begin, row) + channel;
+        for (int i = begin; i < end; ++i, sample += C) *values++ = PixelTraits<T>::to_real(*sample);
+    }
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_IMAGE_SAMPLES_HPP
+
 // ---- hmesh/solve/pcg.hpp
 
 /// \file
@@ -16468,9 +16496,6 @@ struct ChannelLight {
     Array<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
 
-/// Writes the stored values of one channel for the pixels [begin, end) of a row.
-using ReadSamples = FunctionRef<void(std::size_t channel, int row, int begin, int end, double* out)>;
-
 /// The error of a mesh against the image of its size and channels, and its Gauss-Newton system, for one channel k at a time.
 class LinearLight {
   public:
@@ -16600,7 +16625,7 @@ class LinearLight {
         const auto add_pixels = [&](int j, int begin, int end) {
             std::array<double, block> samples;
             const int left = wraps ? begin % mesh_.width : begin, row = wraps ? j % mesh_.height : j;
-            read_(k, row, left, left + end - begin, samples.data());
+            read_(static_cast<int>(k), row, left, left + end - begin, samples.data());
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(left, row) : nullptr;
             for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
@@ -16753,10 +16778,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     kit::HalfedgeMesh topology;
     report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
     if (!report.status) return report;
-    const auto read = [&](std::size_t channel, int row, int begin, int end, double* out) {
-        const T* sample = view.pixel(begin, row) + channel;
-        for (int i = begin; i < end; ++i, sample += C) *out++ = PixelTraits<T>::to_real(*sample);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);
 }
 

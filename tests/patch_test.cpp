@@ -138,6 +138,14 @@ struct Met {
     std::size_t holes = 0, pinched = 0, apart = 0, all_frozen = 0, alone = 0, narrow = 0, one_tile = 0;
 };
 
+// Position and colour of free vertex v of a result.
+template <int C>
+Corner<C> corner_of(const PatchResult<C>& result, std::size_t v) {
+    Corner<C> corner{result.positions[v].x, result.positions[v].y};
+    std::copy(result.colors[v].begin(), result.colors[v].end(), corner.begin() + 2);
+    return corner;
+}
+
 // The triangles of a result by the coordinates and colours of their corners, sorted.
 template <int C>
 std::vector<Corners<C>> corners_of(const IndexedMesh<C>& whole, const PatchResult<C>& result) {
@@ -146,8 +154,7 @@ std::vector<Corners<C>> corners_of(const IndexedMesh<C>& whole, const PatchResul
     for (const Triangle& t : result.faces) {
         Corners<C> corners;
         for (std::size_t k = 0; k < 3; ++k)
-            corners[k] = t[k] < free ? hmesh_test::corner_of<C>(result.positions[t[k]], result.colors[t[k]])
-                                     : hmesh_test::corner_of(whole, result.locked[t[k] - free]);
+            corners[k] = t[k] < free ? corner_of(result, t[k]) : hmesh_test::corner_of(whole, result.locked[t[k] - free]);
         out.push_back(hmesh_test::turned<C>(corners));
     }
     std::sort(out.begin(), out.end());
@@ -163,8 +170,7 @@ void prove_result(const IndexedMesh<C>& whole, const Cut& cut, std::size_t tile,
     REQUIRE(corners_of(whole, result) == expected);
 
     std::map<Corner<C>, bool> due, expected_due;
-    for (std::size_t k = 0; k < result.positions.size(); ++k)
-        due[hmesh_test::corner_of<C>(result.positions[k], result.colors[k])] = result.dirty[k] != 0;
+    for (std::size_t k = 0; k < result.positions.size(); ++k) due[corner_of(result, k)] = result.dirty[k] != 0;
     for (std::size_t v = 0; v < whole.vertex_count(); ++v)
         if (cut.owner[v] == tile) expected_due[hmesh_test::corner_of(whole, v)] = whole.dirty[v] != 0;
     REQUIRE(result.positions.size() == cut.free_count[tile]);

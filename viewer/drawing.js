@@ -13,7 +13,7 @@ const toCanvas = `
   attribute vec2 at;
   uniform vec2 high, low, scale;
   vec4 place() { return vec4(((at - high) - low) * scale, 0, 1); }`;
-const vertexShaders = {
+export const vertexShaders = {
   mesh: `${toCanvas}
     attribute vec4 stored;
     varying vec4 color;
@@ -25,7 +25,7 @@ const vertexShaders = {
     varying vec2 q;
     void main() { q = turn * ((at + margin) / full - 0.5) + 0.5; gl_Position = place(); }`,
 };
-const fragmentShaders = {
+export const fragmentShaders = {
   // What is drawn is premultiplied; `straight` is 1 where the mesh is not, else 0.
   faces: `
     varying vec4 color;
@@ -77,7 +77,7 @@ function edgesOf(faces, vertices) {
 }
 
 // A program with the places of its uniforms.
-function compile(gl, vertexShader, fragmentShader) {
+export function compile(gl, vertexShader, fragmentShader) {
   const program = gl.createProgram();
   const sources = [
     [gl.VERTEX_SHADER, vertexShader],
@@ -99,7 +99,7 @@ function compile(gl, vertexShader, fragmentShader) {
   return { program, where };
 }
 
-function buffer(gl, target, data) {
+export function buffer(gl, target, data) {
   const made = gl.createBuffer();
   gl.bindBuffer(target, made);
   gl.bufferData(target, data, gl.STATIC_DRAW);

@@ -53,7 +53,7 @@ template <int C>
     else if (!table.is_weighted()) look_at_differences(table.template entries<double>());
     else
         for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            Color<C> sample;
+            Color<C> sample = Color<C>::zero();
             for (int i = begin; i < end; ++i) {
                 if (!(table.weight(i, j) > least_weight)) continue;
                 table.pixel(i, j, sample);

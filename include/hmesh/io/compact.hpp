@@ -248,7 +248,7 @@ class CompactWriter {
                     std::int64_t distance;
                     GridPoint at;
                 };
-                std::vector<Choice> choices;
+                std::vector<Choice> points;
                 const auto along = [&](std::int32_t place, std::size_t axis) {
                     std::vector<std::int32_t> sites;
                     if (place == 0 || place == sides[axis]) return sites = {place};
@@ -259,13 +259,13 @@ class CompactWriter {
                 for (const std::int32_t x : along(from.x, 0))
                     for (const std::int32_t y : along(from.y, 1)) {
                         const std::int64_t dx = x - from.x, dy = y - from.y;
-                        choices.push_back({dx * dx + dy * dy, {x, y}});
+                        points.push_back({dx * dx + dy * dy, {x, y}});
                     }
-                std::sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) {
+                std::sort(points.begin(), points.end(), [](const Choice& a, const Choice& b) {
                     return std::make_tuple(a.distance, a.at.x, a.at.y) < std::make_tuple(b.distance, b.at.x, b.at.y);
                 });
                 bool is_found = false;
-                for (const Choice& choice : choices) {
+                for (const Choice& choice : points) {
                     places_[v] = choice.at;
                     is_found = is_free(v);
                     if (is_found) break;

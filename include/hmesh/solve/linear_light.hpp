@@ -35,6 +35,7 @@
 #include "hmesh/fit/raster.hpp"
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/image/samples.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -80,9 +81,6 @@ struct ChannelLight {
     Array<float> stored;  ///< stored values, in [0, peak]
     Array<double> light;  ///< the linear light that they decode to, in [0, 1]; for alpha the share of the peak
 };
-
-/// Writes the stored values of one channel for the pixels [begin, end) of a row.
-using ReadSamples = FunctionRef<void(std::size_t channel, int row, int begin, int end, double* out)>;
 
 /// The error of a mesh against the image of its size and channels, and its Gauss-Newton system, for one channel k at a time.
 class LinearLight {
@@ -213,7 +211,7 @@ class LinearLight {
         const auto add_pixels = [&](int j, int begin, int end) {
             std::array<double, block> samples;
             const int left = wraps ? begin % mesh_.width : begin, row = wraps ? j % mesh_.height : j;
-            read_(k, row, left, left + end - begin, samples.data());
+            read_(static_cast<int>(k), row, left, left + end - begin, samples.data());
             const float* weights = options_.weights.data != nullptr ? options_.weights.pixel(left, row) : nullptr;
             for (int i = begin; i < end; ++i) {
                 const Barycentric w = weights_at(i, j);
@@ -366,10 +364,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     kit::HalfedgeMesh topology;
     report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
     if (!report.status) return report;
-    const auto read = [&](std::size_t channel, int row, int begin, int end, double* out) {
-        const T* sample = view.pixel(begin, row) + channel;
-        for (int i = begin; i < end; ++i, sample += C) *out++ = PixelTraits<T>::to_real(*sample);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);
 }
 

@@ -53,8 +53,8 @@ HMESH_EXPORT(hmesh_fail) void hmesh_fail() { crew.fail(); }
 
 // Meshes an image of 3 or 4 channels. `kind`: Target::Kind; `weights`: one a pixel, or null.
 HMESH_EXPORT(hmesh_mesh_image)
-const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, int channels, int premultiplied, int kind, double value,
-                             int effort, double seed, const float* weights) {
+const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, int channels, int premultiplied, int kind,
+                             double value, int effort, double seed, const float* weights) {
     binding::Module& module = binding::module();
     hmesh::Options options;
     options.target = {static_cast<hmesh::Target::Kind>(kind), value, {}, {}};
@@ -67,7 +67,8 @@ const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, 
             hmesh_progress(info.stage, info.fraction, info.total, static_cast<double>(info.vertices), info.energy, is_mesh);
         if (answer == 2 && is_mesh) {
             if (samples == 0)
-                samples = channels * hmesh::kit::weight_sum(options.weights, hmesh::kit::weight_unit(options.weights), width, height);
+                samples =
+                    channels * hmesh::kit::weight_sum(options.weights, hmesh::kit::weight_unit(options.weights), width, height);
             module.hold(info.mesh_so_far());
             module.psnr = hmesh::kit::psnr_of_energy(info.energy, samples, 255);
             hmesh_show(module.reply({}));

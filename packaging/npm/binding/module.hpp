@@ -73,9 +73,20 @@ struct Module {
     const Answer* reply(const hmesh::Status& status) {
         message_ = hmesh::message(status);
         const auto word = [](auto number) { return static_cast<std::uint32_t>(number); };
-        answer_ = {psnr, word(status.code), message_.c_str(), word(mesh.width), word(mesh.height), word(mesh.channels),
-                   word(mesh.premultiplied), word(mesh.vertex_count()), word(mesh.face_count()), mesh.positions.data(),
-                   colors.data(), mesh.faces.data(), bytes.data(), word(bytes.size())};
+        answer_ = {psnr,
+                   word(status.code),
+                   message_.c_str(),
+                   word(mesh.width),
+                   word(mesh.height),
+                   word(mesh.channels),
+                   word(mesh.premultiplied),
+                   word(mesh.vertex_count()),
+                   word(mesh.face_count()),
+                   mesh.positions.data(),
+                   colors.data(),
+                   mesh.faces.data(),
+                   bytes.data(),
+                   word(bytes.size())};
         return &answer_;
     }
 

@@ -514,6 +514,48 @@ if (view.share > 0) drawOriginal(view);
 if (view.wires) drawEdges(view);
 };
 }
+function listenToPointers(canvas, { pan, zoom, fit }) {
+const pointers = new Map();
+const fromCenter = (x, y) => {
+const box = canvas.getBoundingClientRect();
+const ratio = canvas.width / box.width;
+return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
+};
+const onWheel = (event) => {
+event.preventDefault();
+const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
+const pinch = event.ctrlKey ? 4 : 1;
+const [x, y] = fromCenter(event.clientX, event.clientY);
+zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
+};
+canvas.addEventListener('wheel', onWheel, { passive: false });
+canvas.addEventListener('pointerdown', (event) => {
+canvas.setPointerCapture(event.pointerId);
+pointers.set(event.pointerId, [event.clientX, event.clientY]);
+canvas.classList.add('drag');
+});
+canvas.addEventListener('pointermove', (event) => {
+const last = pointers.get(event.pointerId);
+if (!last) return;
+const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
+const ratio = fromCenter(0, 0)[2];
+const now = [event.clientX, event.clientY];
+pointers.set(event.pointerId, now);
+if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
+if (others.length !== 1) return;
+const [still] = others;
+const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
+const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
+zoom(span(now) / span(last), x, y);
+pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
+});
+for (const type of ['pointerup', 'pointercancel'])
+canvas.addEventListener(type, (event) => {
+pointers.delete(event.pointerId);
+if (pointers.size === 0) canvas.classList.remove('drag');
+});
+canvas.addEventListener('dblclick', fit);
+}
 const byId = (id) => document.getElementById(id);
 const canvas = byId('mesh');
 const share = byId('share');
@@ -586,7 +628,8 @@ byId(button.getAttribute('aria-controls')).hidden = folded;
 }
 function foldAll() {
 const folded = !folds.every(isFolded);
-for (const button of folds) fold(button, folded);
+)html"
+R"html(for (const button of folds) fold(button, folded);
 }
 function toggleHelp() {
 if (help.open) help.close();
@@ -606,49 +649,6 @@ canvas.width = Math.max(1, Math.round(canvas.clientWidth * ratio));
 canvas.height = Math.max(1, Math.round(canvas.clientHeight * ratio));
 if (isFitted) fit();
 else redraw();
-}
-function listenToPointers() {
-const pointers = new Map();
-const fromCenter = (x, y) => {
-const box = canvas.getBoundingClientRect();
-const ratio = canvas.width / box.width;
-return [(x - box.left - box.width / 2) * ratio, (y - box.top - box.height / 2) * ratio, ratio];
-};
-const onWheel = (event) => {
-event.preventDefault();
-const lines = { 0: 1, 1: 16, 2: 400 }[event.deltaMode];
-const pinch = event.ctrlKey ? 4 : 1;
-const [x, y] = fromCenter(event.clientX, event.clientY);
-zoom(Math.exp(-0.0018 * lines * pinch * event.deltaY), x, y);
-};
-canvas.addEventListener('wheel', onWheel, { passive: false });
-canvas.addEventListener('pointerdown', (event) => {
-canvas.setPointerCapture(event.pointerId);
-pointers.set(event.pointerId, [event.clientX, event.clientY]);
-canvas.classList.add('drag');
-});
-canvas.addEventListener('pointermove', (event) => {
-const last = pointers.get(event.pointerId);
-if (!last) return;
-const others = [...pointers].filter(([id]) => id !== event.pointerId).map(([, at]) => at);
-const ratio = fromCenter(0, 0)[2];
-const now = [event.clientX, event.clientY];
-pointers.set(event.pointerId, now);
-if (others.length === 0) pan((now[0] - last[0]) * ratio, (now[1] - last[1]) * ratio);
-if (others.length !== 1) return;
-)html"
-R"html(const [still] = others;
-const span = (p) => Math.max(8, Math.hypot(p[0] - still[0], p[1] - still[1]));
-const [x, y] = fromCenter((last[0] + still[0]) / 2, (last[1] + still[1]) / 2);
-zoom(span(now) / span(last), x, y);
-pan(((now[0] - last[0]) / 2) * ratio, ((now[1] - last[1]) / 2) * ratio);
-});
-for (const type of ['pointerup', 'pointercancel'])
-canvas.addEventListener(type, (event) => {
-pointers.delete(event.pointerId);
-if (pointers.size === 0) canvas.classList.remove('drag');
-});
-canvas.addEventListener('dblclick', fit);
 }
 function listenToKeys() {
 const step = () => 0.1 * Math.min(canvas.width, canvas.height);
@@ -730,7 +730,7 @@ if (location.hash === '#original') share.value = 1;
 document.body.classList.toggle('native', isNative);
 if (original && !original.complete) original.onload = redraw;
 if (!isNative) {
-listenToPointers();
+listenToPointers(canvas, { pan, zoom, fit });
 listenToKeys();
 listenToControls();
 }

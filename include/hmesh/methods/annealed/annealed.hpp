@@ -196,7 +196,7 @@ class AnnealedRun {
         const double count = std::min(most, wanted);
         Array<std::uint32_t> pixels;
         Array<Point> on_lines;
-        const bool has_sides = source.samples() == Samples::points && border_->empty();
+        const bool has_sides = source.samples() == Samples::points && source.periodic() == Periodic::none && border_->empty();
         if (has_sides) on_lines = side_points(source, count);
         if (source.is_read() && source.periodic() == Periodic::none) {
             const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));

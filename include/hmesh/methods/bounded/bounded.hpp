@@ -116,7 +116,7 @@ namespace detail {
         default: progress.plan({2, 120, 1}); break;
     }
     const auto energy = [&](const kit::Sheet& sheet) {
-        return prove(bounded_mesh(sheet, field, peak).view(), field, read).energy;
+        return prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
     };
     const kit::Sheet sheet = kit::BoundedPieces(field, limit, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
@@ -127,7 +127,7 @@ namespace detail {
     }
     result.mesh = bounded_mesh(sheet, field, peak);
     progress.begin_last("proof", sheet.vertices.size(), 0);
-    const kit::Proof proof = prove(result.mesh.view(), field, read);
+    const kit::Proof proof = prove(result.mesh.view(), field, read, parallel_for);
     if (!proof.is_cover || proof.max_error > recipe.max_error) {
         // Not to be expected; but no mesh is returned as one that holds which does not.
         result = {};
@@ -180,10 +180,7 @@ template <class T, int C>
                          field.bad_row};
         return result;
     }
-    const auto read = [&](int channel, int j, int begin, int end, double* values) {
-        const T* from = view.pixel(begin, j) + channel;
-        for (int i = begin; i < end; ++i, from += C) *values++ = PixelTraits<T>::to_real(*from);
-    };
+    const kit::ViewSamples<T, C> read{view};
     return detail::mesh_bounded(field, options, recipe, PixelTraits<T>::peak, read, parallel_for);
 }
 

@@ -1,0 +1,447 @@
+// Python module - hmesh._core: what hmesh/__init__.py calls. It takes arrays that are checked and laid out already, and gives
+// arrays that own what the library made, without a copy. The Python package says what all this is for.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "hmesh/compact.hpp"
+#include "hmesh/hmesh.hpp"
+#include "hmesh/terrain.hpp"
+#include "meshing.hpp"
+#include "thread_pool.hpp"
+
+namespace py = pybind11;
+
+namespace python {
+namespace {
+
+// A status that is not ok as the exception that a caller expects.
+[[noreturn]] void raise(const hmesh::Status& status) { throw py::value_error(hmesh::message(status).c_str()); }
+
+// --- arrays ---
+
+// An array over a vector's numbers, which it owns from now on.
+template <class Number>
+[[nodiscard]] py::array_t<Number> array_of(std::vector<Number>&& numbers, std::vector<py::ssize_t> shape) {
+    auto* const owner = new std::vector<Number>(std::move(numbers));
+    const py::capsule capsule(owner, [](void* at) { delete static_cast<std::vector<Number>*>(at); });
+    return py::array_t<Number>(std::move(shape), owner->data(), capsule);
+}
+[[nodiscard]] py::array_t<std::uint32_t> array_of(std::vector<hmesh::Triangle>&& faces) {
+    auto* const owner = new std::vector<hmesh::Triangle>(std::move(faces));
+    const py::capsule capsule(owner, [](void* at) { delete static_cast<std::vector<hmesh::Triangle>*>(at); });
+    return py::array_t<std::uint32_t>({static_cast<py::ssize_t>(owner->size()), py::ssize_t{3}},
+                                      reinterpret_cast<const std::uint32_t*>(owner->data()), capsule);
+}
+
+// The arrays and the numbers that make a mesh, by the names that Python's Mesh has for them.
+[[nodiscard]] py::dict dict_of(hmesh::Mesh&& mesh) {
+    py::dict out;
+    const auto n = static_cast<py::ssize_t>(mesh.vertex_count());
+    out["width"] = mesh.width;
+    out["height"] = mesh.height;
+    out["peak"] = mesh.peak;
+    out["premultiplied"] = mesh.premultiplied;
+    out["periodic"] = static_cast<int>(mesh.periodic);
+    out["samples"] = static_cast<int>(mesh.samples);
+    const py::ssize_t channels = mesh.channels;
+    out["positions"] = array_of(std::move(mesh.positions), {n, 2});
+    out["colors"] = array_of(std::move(mesh.colors), {n, channels});
+    out["faces"] = array_of(std::move(mesh.faces));
+    return out;
+}
+
+using Floats = py::array_t<float, py::array::c_style>;
+using Indices = py::array_t<std::uint32_t, py::array::c_style>;
+
+// A mesh of Python's over its own arrays, which stay alive as long as this does.
+struct HeldMesh {
+    Floats positions, colors;
+    Indices faces;
+    hmesh::MeshView view;
+
+    explicit HeldMesh(const py::dict& from)
+        : positions(from["positions"].cast<Floats>()), colors(from["colors"].cast<Floats>()),
+          faces(from["faces"].cast<Indices>()) {
+        view.positions = positions.data();
+        view.colors = colors.data();
+        static_assert(sizeof(hmesh::Triangle) == 3 * sizeof(std::uint32_t));
+        view.faces = reinterpret_cast<const hmesh::Triangle*>(faces.data());
+        view.vertex_count = static_cast<std::size_t>(positions.shape(0));
+        view.face_count = static_cast<std::size_t>(faces.shape(0));
+        view.channels = static_cast<int>(colors.shape(1));
+        view.width = from["width"].cast<int>();
+        view.height = from["height"].cast<int>();
+        view.peak = from["peak"].cast<double>();
+        view.premultiplied = from["premultiplied"].cast<bool>();
+        view.periodic = static_cast<hmesh::Periodic>(from["periodic"].cast<int>());
+        view.samples = static_cast<hmesh::Samples>(from["samples"].cast<int>());
+    }
+    // A copy that the library may keep.
+    [[nodiscard]] hmesh::Mesh copy() const {
+        hmesh::Mesh mesh;
+        mesh.positions.assign(view.positions, view.positions + 2 * view.vertex_count);
+        mesh.colors.assign(view.colors, view.colors + static_cast<std::size_t>(view.channels) * view.vertex_count);
+        mesh.faces.assign(view.faces, view.faces + view.face_count);
+        mesh.channels = view.channels;
+        mesh.width = view.width;
+        mesh.height = view.height;
+        mesh.peak = view.peak;
+        mesh.premultiplied = view.premultiplied;
+        mesh.periodic = view.periodic;
+        mesh.samples = view.samples;
+        return mesh;
+    }
+};
+
+// An image array of shape (h, w, c), laid out as Pixels are.
+struct HeldImage {
+    py::array array;
+    Pixels pixels;
+    int channels;
+
+    explicit HeldImage(const py::array& from) : array(from), pixels{}, channels(static_cast<int>(from.shape(2))) {
+        const auto side = [](py::ssize_t size) { return static_cast<int>(std::min<py::ssize_t>(size, 1 << 30)); };
+        const py::ssize_t item = from.itemsize();
+        pixels = {from.data(), side(from.shape(1)), side(from.shape(0)), from.strides(0),
+                  item == 1   ? Sample::uint8
+                  : item == 2 ? Sample::uint16
+                              : Sample::float32};
+    }
+};
+
+// --- a call that takes long ---
+
+// Tells Python how far the work is, and the work whether to go on: from whatever thread it comes, with the interpreter's lock for
+// just that time. What a callback raises, and Ctrl-C, ends the work and is raised again by finish().
+class Listener {
+  public:
+    explicit Listener(py::object callback) : callback_(std::move(callback)), thread_(std::this_thread::get_id()) {}
+
+    bool operator()(const hmesh::ProgressInfo& info) {
+        const bool is_caller = std::this_thread::get_id() == thread_;
+        const auto now = std::chrono::steady_clock::now();
+        const bool looks = is_caller && now - looked_ > std::chrono::milliseconds(20);
+        if (callback_.is_none() && !looks) return true;
+        const py::gil_scoped_acquire lock;
+        try {
+            if (looks) {
+                looked_ = now;
+                if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+            }
+            return callback_.is_none() || tell(info);
+        } catch (...) {
+            error_ = std::current_exception();
+            return false;
+        }
+    }
+    // With the interpreter's lock: raises what a callback raised.
+    void finish() {
+        if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
+    }
+
+  private:
+    bool tell(const hmesh::ProgressInfo& info) {
+        // The mesh can be asked for during this call alone.
+        const auto offered = std::make_shared<const hmesh::ProgressInfo*>(info.mesh_so_far ? &info : nullptr);
+        const py::cpp_function mesh([offered] {
+            if (*offered == nullptr) throw std::runtime_error("the mesh so far can be had during the callback's call alone");
+            return dict_of((*offered)->mesh_so_far());
+        });
+        struct End {
+            const std::shared_ptr<const hmesh::ProgressInfo*>& at;
+            ~End() { *at = nullptr; }
+        } const end{offered};
+        const py::object result = callback_(info.stage, info.fraction, info.vertices, info.energy, info.total,
+                                            info.mesh_so_far ? py::object(mesh) : py::none());
+        return result.is_none() || PyObject_IsTrue(result.ptr()) == 1;
+    }
+    py::object callback_;
+    std::thread::id thread_;
+    std::chrono::steady_clock::time_point looked_{};
+    std::exception_ptr error_;
+};
+
+// The result as Python takes it: a dict of the mesh and of its report. The mesh nearest to a PSNR out of reach, and that of
+// cancelled work, come with a message; else the message is raised.
+[[nodiscard]] py::dict dict_of(hmesh::Result&& result) {
+    const bool is_partial =
+        result.status.code == hmesh::Errc::target_out_of_range || result.status.code == hmesh::Errc::cancelled;
+    if (!result.has_mesh() || (!result.status && !is_partial)) raise(result.status);
+    py::dict out = dict_of(std::move(result.mesh));
+    py::list stages;
+    for (const hmesh::StageReport& stage : result.report.stages) {
+        py::dict one;
+        one["name"] = stage.name;
+        one["vertices"] = stage.vertices;
+        one["energy"] = stage.energy;
+        one["psnr"] = stage.psnr;
+        stages.append(one);
+    }
+    py::dict report;
+    report["vertices"] = result.report.vertices;
+    report["faces"] = result.report.faces;
+    report["energy"] = result.report.energy;
+    report["psnr"] = result.report.psnr;
+    report["max_error"] = result.report.max_error;
+    report["stages"] = stages;
+    report["message"] = result.status ? "" : hmesh::message(result.status).c_str();
+    out["report"] = report;
+    return out;
+}
+
+// --- options ---
+
+template <class Value>
+[[nodiscard]] Value get(const py::dict& from, const char* name) {
+    return from[name].cast<Value>();
+}
+template <class Value>
+[[nodiscard]] std::optional<Value> get_optional(const py::dict& from, const char* name) {
+    const py::object value = from[name];
+    if (value.is_none()) return {};
+    return value.cast<Value>();
+}
+
+// Options and what they refer to.
+struct HeldOptions {
+    hmesh::Options options;
+    py::object weights, mask;  // arrays, or None
+
+    explicit HeldOptions(const py::dict& from) : weights(from["weights"]), mask(from["mask"]) {
+        const auto kind = get<std::string>(from, "target");
+        const auto value = get<double>(from, "value");
+        options.target = {kind == "vertices"  ? hmesh::Target::Kind::vertices
+                          : kind == "percent" ? hmesh::Target::Kind::percent
+                                              : hmesh::Target::Kind::psnr,
+                          value, get_optional<std::int64_t>(from, "max_vertices"), get_optional<double>(from, "good_enough")};
+        options.round_colors = get<bool>(from, "round_colors");
+        options.premultiplied = get<bool>(from, "premultiplied");
+        options.periodic = static_cast<hmesh::Periodic>(get<int>(from, "periodic"));
+        options.straight_border = get<bool>(from, "straight_border");
+        options.samples = static_cast<hmesh::Samples>(get<int>(from, "samples"));
+        options.nan_is_no_data = get<bool>(from, "nan_is_no_data");
+        options.limits.position_step = get<double>(from, "position_step");
+        if (const auto colors = get_optional<int>(from, "colors")) options.colors = static_cast<hmesh::Colors>(*colors);
+        for (const py::handle weight : from["channel_weights"]) options.channel_weights.push_back(weight.cast<double>());
+        if (!weights.is_none()) {
+            const auto array = weights.cast<py::array_t<float>>();
+            options.weights = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
+                               array.strides(0)};
+        }
+        if (!mask.is_none()) {
+            const auto array = mask.cast<py::array_t<std::uint8_t>>();
+            options.mask = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), array.strides(0)};
+        }
+    }
+};
+
+// mesh_channels() of as many channels as the image has.
+template <int... before>
+[[nodiscard]] hmesh::Result mesh_any(std::integer_sequence<int, before...>, const HeldImage& image, const hmesh::Options& options,
+                                     const hmesh::Annealed& recipe, const hmesh::ParallelFor& parallel_for) {
+    using Call = hmesh::Result (*)(const Pixels&, const hmesh::Options&, const hmesh::Annealed&, const hmesh::ParallelFor&);
+    constexpr Call calls[] = {&mesh_channels<before + 1>...};
+    return calls[image.channels - 1](image.pixels, options, recipe, parallel_for);
+}
+constexpr int max_channels = HMESH_PYTHON_MAX_CHANNELS;
+
+// Runs a call without the interpreter's lock, with so many threads and a callback.
+template <class Call>
+[[nodiscard]] py::dict run(const py::dict& with, hmesh::Options& options, Call&& call) {
+    Listener listener(with["progress"]);
+    options.progress = hmesh::Progress(listener);
+    const auto threads = get<unsigned>(with, "threads");
+    hmesh::Result result;
+    {
+        const py::gil_scoped_release free;
+        const example::ThreadPool pool(threads);
+        result = call(pool);
+    }
+    listener.finish();
+    return dict_of(std::move(result));
+}
+
+py::dict mesh_image(const py::array& array, const py::dict& with) {
+    const HeldImage image(array);
+    HeldOptions held(with);
+    hmesh::Annealed recipe;
+    recipe.effort = static_cast<hmesh::Effort>(get<int>(with, "effort"));
+    recipe.seed = get<std::uint64_t>(with, "seed");
+    recipe.tile = get<int>(with, "tile");
+    recipe.border_tolerance = get_optional<double>(with, "border_tolerance");
+    hmesh::Mesh start;
+    if (const py::object from = with["start"]; !from.is_none()) {
+        start = HeldMesh(from.cast<py::dict>()).copy();
+        recipe.start = &start;
+    }
+    return run(with, held.options, [&](const hmesh::ParallelFor& parallel_for) {
+        return mesh_any(std::make_integer_sequence<int, max_channels>(), image, held.options, recipe, parallel_for);
+    });
+}
+
+py::dict mesh_terrain(const py::array& array, const py::dict& with) {
+    const HeldImage image(array);
+    HeldOptions held(with);
+    hmesh::Bounded recipe;
+    recipe.max_error = get<double>(with, "max_error");
+    recipe.effort = static_cast<hmesh::Bounded::Effort>(get<int>(with, "effort"));
+    recipe.free_borders = get<bool>(with, "free_borders");
+    return run(with, held.options, [&](const hmesh::ParallelFor& parallel_for) {
+        return mesh_heights(image.pixels, held.options, recipe, parallel_for);
+    });
+}
+
+// --- drawing and files ---
+
+template <int C>
+[[nodiscard]] py::array draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, unsigned threads) {
+    hmesh::RenderResult<C> result;
+    {
+        const py::gil_scoped_release free;
+        const example::ThreadPool pool(threads);
+        result = hmesh::render<C>(mesh, options, pool);
+    }
+    if (!result.status) raise(result.status);
+    auto* const owner = new hmesh::Image<float, C>(std::move(result.image));
+    const py::capsule capsule(owner, [](void* at) { delete static_cast<hmesh::Image<float, C>*>(at); });
+    return py::array_t<float>(
+        {static_cast<py::ssize_t>(owner->height()), static_cast<py::ssize_t>(owner->width()), py::ssize_t{C}}, owner->view().data,
+        capsule);
+}
+template <int... before>
+[[nodiscard]] py::array draw_any(std::integer_sequence<int, before...>, const hmesh::MeshView& mesh,
+                                 const hmesh::RenderOptions& options, unsigned threads) {
+    using Call = py::array (*)(const hmesh::MeshView&, const hmesh::RenderOptions&, unsigned);
+    constexpr Call calls[] = {&draw<before + 1>...};
+    return calls[mesh.channels - 1](mesh, options, threads);
+}
+
+py::array render(const py::dict& from, std::optional<int> width, std::optional<int> height, bool linear, unsigned threads) {
+    const HeldMesh mesh(from);
+    hmesh::RenderOptions options;
+    options.width = width;
+    options.height = height;
+    if (linear) options.interpolation = hmesh::Interpolation::linear;
+    if (const hmesh::Status status = hmesh::check(mesh.view, 16); !status) raise(status);
+    return draw_any(std::make_integer_sequence<int, 16>(), mesh.view, options, threads);
+}
+
+[[nodiscard]] hmesh::HeightOptions height_options(const py::dict& with) {
+    hmesh::HeightOptions options;
+    options.z = {get<int>(with, "channel"), get<double>(with, "z_scale"), get<double>(with, "z_offset")};
+    options.x_step = get<double>(with, "x_step");
+    options.y_step = get<double>(with, "y_step");
+    return options;
+}
+
+// The bytes of a mesh as a file of a format.
+py::bytes write(const py::dict& from, const std::string& format, const py::dict& with) {
+    const HeldMesh mesh(from);
+    std::string bytes;
+    const auto put = [&](const void* at, std::size_t size) {
+        bytes.append(static_cast<const char*>(at), size);
+        return true;
+    };
+    const hmesh::Sink sink(put);
+    const auto run = [&](auto&& body) {
+        const py::gil_scoped_release free;
+        return body();
+    };
+    hmesh::Status status;
+    if (const auto& view = mesh.view; format == "ply") {
+        hmesh::PlyOptions options;
+        options.ascii = get<bool>(with, "ascii");
+        options.float_colors = get<bool>(with, "float_colors");
+        status = run([&] { return hmesh::write_ply(view, sink, options); });
+    } else if (format == "obj") {
+        status = run([&] { return hmesh::write_obj(view, sink); });
+    } else if (format == "glb") {
+        hmesh::GltfOptions options;
+        options.longer_side = get<double>(with, "longer_side");
+        options.quantized_positions = get<bool>(with, "quantized_positions");
+        options.colors_are_linear = get<bool>(with, "colors_are_linear");
+        options.color_bits = get<int>(with, "color_bits");
+        status = run([&] { return hmesh::write_glb(view, sink, options); });
+    } else if (format == "svg") {
+        hmesh::SvgOptions options;
+        options.kind = static_cast<hmesh::SvgKind>(get<int>(with, "kind"));
+        options.wireframe = get<bool>(with, "wireframe");
+        status = run([&] { return hmesh::write_svg(view, sink, options); });
+    } else if (format == "html") {
+        const auto title = get<std::string>(with, "title");
+        hmesh::HtmlOptions options;
+        options.title = title.c_str();
+        status = run([&] { return hmesh::write_html(view, sink, options); });
+    } else if (format == "pdf") {
+        status = run([&] { return hmesh::write_pdf(view, sink); });
+    } else if (format == "eps") {
+        status = run([&] { return hmesh::write_eps(view, sink); });
+    } else if (format == "hmc") {
+        hmesh::CompactOptions options;
+        options.colors = static_cast<hmesh::CompactColors>(get<int>(with, "colors"));
+        status = run([&] { return hmesh::write_compact(view, sink, options); });
+    } else if (format == "height_ply") {
+        status = run([&] { return hmesh::write_height_ply(view, {}, sink, height_options(with)); });
+    } else if (format == "height_obj") {
+        status = run([&] { return hmesh::write_height_obj(view, {}, sink, height_options(with)); });
+    } else if (format == "height_glb") {
+        status = run([&] { return hmesh::write_height_glb(view, {}, sink, height_options(with)); });
+    } else if (format == "stl") {
+        const auto base = get_optional<double>(with, "base");
+        const hmesh::HeightOptions options = height_options(with);
+        status = run([&] {
+            return base ? hmesh::write_solid_stl(view, *base, sink, options) : hmesh::write_height_stl(view, sink, options);
+        });
+    } else {
+        throw py::value_error("no format of this name is known: " + format);
+    }
+    if (!status) raise(status);
+    return py::bytes(bytes);
+}
+
+py::dict read_compact(const py::bytes& from, std::int64_t max_vertices, std::int64_t max_pixels) {
+    char* data = nullptr;
+    py::ssize_t size = 0;
+    if (PyBytes_AsStringAndSize(from.ptr(), &data, &size) != 0) throw py::error_already_set();
+    hmesh::CompactMesh read;
+    {
+        const py::gil_scoped_release free;
+        hmesh::CompactLimits limits;
+        limits.max_vertices = max_vertices;
+        limits.max_pixels = max_pixels;
+        read = hmesh::read_compact(reinterpret_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size), limits);
+    }
+    if (!read.status) raise(read.status);
+    return dict_of(std::move(read.mesh));
+}
+
+}  // namespace
+}  // namespace python
+
+PYBIND11_MODULE(_core, module) {
+    module.attr("version") = HMESH_VERSION_STRING;
+    module.attr("max_channels") = python::max_channels;
+    module.def("mesh_image", &python::mesh_image);
+    module.def("mesh_terrain", &python::mesh_terrain);
+    module.def("render", &python::render);
+    module.def("write", &python::write);
+    module.def("read_compact", &python::read_compact);
+}

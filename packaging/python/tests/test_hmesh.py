@@ -1,0 +1,414 @@
+"""What `import hmesh` promises. HMESH_COMMAND may name the command, whose files then have the bytes of the module's."""
+
+import gc
+import io
+import math
+import os
+import pickle
+import signal
+import struct
+import subprocess
+import sys
+import threading
+import weakref
+
+import hmesh
+import numpy as np
+import pytest
+
+
+def picture(width=120, height=80, channels=3, dtype=np.uint8):
+    """A scene with soft and hard edges, of the type's whole range."""
+    y, x = np.mgrid[0:height, 0:width].astype(np.float64)
+    planes = []
+    for c in range(channels):
+        soft = 0.5 + 0.3 * np.sin(x / (9 + c) + 2 * np.sin(y / 17)) + 0.1 * np.cos(y / (5 + c))
+        disc = (x - width * 0.6) ** 2 + (y - height / 2) ** 2 < (height / (3 + c % 3)) ** 2
+        planes.append(np.where(disc, 1 - soft, soft))
+    values = np.clip(np.stack(planes, -1), 0, 1)
+    if np.dtype(dtype).kind == "f":
+        return values.astype(dtype)
+    return np.floor(values * np.iinfo(dtype).max + 0.5).astype(dtype)
+
+
+def same(one, other):
+    return (np.array_equal(one.positions, other.positions) and np.array_equal(one.colors, other.colors)
+            and np.array_equal(one.faces, other.faces))
+
+
+def area(mesh):
+    p = mesh.positions.astype(np.float64)[mesh.faces]
+    a, b, c = p[:, 0], p[:, 1], p[:, 2]
+    return np.sum((b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])) / 2
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+@pytest.mark.parametrize("channels", range(1, hmesh.max_channels + 1))
+def test_every_type_and_number_of_channels(dtype, channels):
+    image = picture(channels=channels, dtype=dtype)
+    mesh = hmesh.mesh_image(image, vertices=200, effort="fast")
+    assert mesh.positions.shape == (200, 2) and mesh.positions.dtype == np.float32
+    assert mesh.colors.shape == (200, channels) and mesh.colors.dtype == np.float32
+    assert mesh.faces.shape[1] == 3 and mesh.faces.dtype == np.uint32
+    assert area(mesh) == 120 * 80
+    assert (mesh.width, mesh.height, mesh.channels) == (120, 80, channels)
+    assert mesh.report.vertices == 200 and mesh.report.message == ""
+    assert hmesh.psnr(mesh, image) == pytest.approx(mesh.report.psnr, abs=1e-3)  # drawn anew, and measured by numpy
+    drawn = np.abs(mesh.render().astype(np.float64) - image).max()
+    assert mesh.report.max_error == pytest.approx(drawn, rel=1e-4)
+
+
+def test_grey_images_may_be_flat_arrays():
+    image = picture(channels=1)
+    assert same(hmesh.mesh_image(image[:, :, 0], vertices=100), hmesh.mesh_image(image, vertices=100))
+
+
+@pytest.mark.parametrize("dtype", [np.uint8, np.uint16, np.float32])
+def test_strides_do_not_matter(dtype):
+    image = picture(dtype=dtype)
+    wanted = hmesh.mesh_image(image, vertices=100, effort="draft")
+    wide = np.zeros((80, 150, 3), dtype)
+    wide[:, 10:130] = image
+    tall = np.repeat(image, 2, axis=0)
+    read_only = image.copy()
+    read_only.flags.writeable = False
+    unaligned = np.frombuffer(b"\0" + image.tobytes(), dtype, image.size, 1).reshape(image.shape) if dtype == np.uint8 else image
+    four = np.concatenate([image, image[:, :, :1]], axis=2)
+    for same_image in (
+        np.asfortranarray(image), wide[:, 10:130], tall[::2], image[::-1][::-1], image[::-1].copy()[::-1],
+        image[:, ::-1].copy()[:, ::-1], image.transpose(1, 0, 2).copy().transpose(1, 0, 2), image[:, :, ::-1].copy()[:, :, ::-1],
+        read_only, unaligned, four[:, :, :3], image.astype(image.dtype.newbyteorder("S")), image.tolist() and image,
+    ):
+        assert np.array_equal(same_image, image)
+        assert same(hmesh.mesh_image(same_image, vertices=100, effort="draft"), wanted)
+
+
+def test_threads_do_not_matter():
+    image = picture(400, 300)
+    wanted = hmesh.mesh_image(image, percent=1, effort="fast", threads=1)
+    for threads in (0, 2, 5):
+        assert same(hmesh.mesh_image(image, percent=1, effort="fast", threads=threads), wanted)
+    meshes = [None] * 4
+
+    def work(k):
+        meshes[k] = hmesh.mesh_image(image, percent=1, effort="fast", threads=2)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert all(same(mesh, wanted) for mesh in meshes)
+
+
+def test_the_bytes_are_those_of_the_command(tmp_path):
+    command = os.environ.get("HMESH_COMMAND")
+    if not command:
+        pytest.skip("HMESH_COMMAND names no command")
+    for channels, magic in ((1, b"P5"), (3, b"P6")):
+        image = picture(300, 200, channels)
+        name = tmp_path / f"image{channels}.pnm"
+        name.write_bytes(magic + b"\n300 200\n255\n" + image.tobytes())
+        for arguments, options in (([], {}), (["--effort", "draft", "--vertices", "333"], {"effort": "draft", "vertices": 333})):
+            out = tmp_path / "mesh.ply"
+            subprocess.run([command, "--quiet", name, "-o", out, *arguments], check=True)
+            assert hmesh.mesh_image(image, **options).tobytes("ply") == out.read_bytes()
+
+
+@pytest.mark.parametrize(
+    "options, sentence",
+    [
+        (dict(vertices=2), "at least 4 vertices"),
+        (dict(vertices=10**9), "at most one vertex a pixel"),
+        (dict(vertices=10.5), "whole number"),
+        (dict(percent=0), "percent"),
+        (dict(percent=math.nan), "percent"),
+        (dict(psnr=-3), "PSNR"),
+        (dict(vertices=10, psnr=30), "both targets"),
+        (dict(effort="hard"), "effort must be one of"),
+        (dict(effort=3), "effort must be one of"),
+        (dict(seed=-1), "seed must be"),
+        (dict(tile=3), "tile must be"),
+        (dict(tile=10**12), "tile must be"),
+        (dict(threads=-1), "threads must be"),
+        (dict(threads=10**9), "threads must be"),
+        (dict(weights=np.ones((3, 3))), "image's shape"),
+        (dict(weights=-np.ones((80, 120))), "weight"),
+        (dict(weights=np.zeros((80, 120))), "weight"),
+        (dict(channel_weights=[1, 2]), "channel"),
+        (dict(periodic="z"), "periodic must be one of"),
+        (dict(straight_border=True), "straight_border"),
+        (dict(samples="points", periodic="x"), "squares"),
+        (dict(premultiplied=True), "alpha"),
+        (dict(position_step=0.3), "position_step"),
+        (dict(max_vertices=100), "max_vertices"),
+        (dict(border_tolerance=1.0), "points"),
+    ],
+)
+def test_refused_options_have_a_sentence(options, sentence):
+    with pytest.raises(ValueError, match=sentence):
+        hmesh.mesh_image(picture(), **options)
+
+
+@pytest.mark.parametrize(
+    "image, error",
+    [
+        (np.zeros((0, 0, 3), np.uint8), ValueError),
+        (np.zeros((5, 0), np.uint8), ValueError),
+        (np.zeros((4, 4, 17), np.uint8), ValueError),
+        (np.zeros((4, 4, 0), np.uint8), ValueError),
+        (np.zeros((2, 2, 2, 2), np.uint8), ValueError),
+        (np.zeros(7, np.uint8), ValueError),
+        (np.uint8(3), ValueError),
+        (np.zeros((4, 4)), TypeError),
+        (np.zeros((4, 4), np.float16), TypeError),
+        (np.zeros((4, 4), np.int16), TypeError),
+        (np.zeros((4, 4), np.uint32), TypeError),
+        (np.zeros((4, 4), bool), TypeError),
+        (np.zeros((4, 4), complex), TypeError),
+        (np.array([[object()]]), TypeError),
+        ("text", TypeError),
+        (None, TypeError),
+        (np.full((9, 9), np.nan, np.float32), ValueError),
+        (np.full((9, 9), np.inf, np.float32), ValueError),
+        (np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (1, 1 << 20), (1, 0)), ValueError),  # too wide, and one byte
+    ],
+)
+def test_refused_images_have_a_sentence(image, error):
+    with pytest.raises(error) as caught:
+        hmesh.mesh_image(image)
+    assert len(str(caught.value)) > 10
+
+
+def test_small_images():
+    for width, height in ((1, 1), (2, 1), (1, 7), (3, 3)):
+        image = np.full((height, width, 3), 77, np.uint8)
+        mesh = hmesh.mesh_image(image)
+        assert area(mesh) == width * height and mesh.report.psnr == math.inf
+        assert np.array_equal(mesh.render(dtype=np.uint8), image)
+
+
+def test_a_psnr_is_reached_or_said_not_to_be():
+    image = picture()
+    mesh = hmesh.mesh_image(image, psnr=30, effort="fast")
+    assert mesh.report.psnr >= 30 and mesh.report.message == ""
+    mesh = hmesh.mesh_image(image, psnr=60, max_vertices=50, effort="draft")
+    assert len(mesh.positions) <= 50 and "PSNR" in mesh.report.message
+
+
+def test_weights_and_channel_weights_change_the_mesh():
+    image = picture()
+    plain = hmesh.mesh_image(image, vertices=150, effort="fast")
+    weights = np.ones((80, 120))
+    weights[:, :60] = 20
+    left = hmesh.mesh_image(image, vertices=150, effort="fast", weights=weights)
+    assert np.sum(left.positions[:, 0] < 60) > np.sum(plain.positions[:, 0] < 60)
+    assert not same(hmesh.mesh_image(image, vertices=150, effort="fast", channel_weights=[5, 1, 1]), plain)
+
+
+def test_periodic_meshes_repeat():
+    mesh = hmesh.mesh_image(picture(), vertices=150, effort="fast", periodic="xy")
+    assert mesh.periodic == "xy" and area(mesh) == 120 * 80
+
+
+def test_progress_grows_and_offers_meshes():
+    image, told, meshes = picture(), [], []
+
+    def progress(now):
+        told.append(now)
+        if now.mesh:
+            meshes.append(now.mesh())
+
+    mesh = hmesh.mesh_image(image, vertices=300, progress=progress)
+    totals = [now.total for now in told]
+    assert totals == sorted(totals) and totals[-1] == 1
+    assert {"points", "anneal", "colors"} <= {now.stage for now in told}
+    assert meshes and all(area(one) == 120 * 80 for one in meshes)
+    assert same(meshes[-1], mesh)
+    assert same(hmesh.mesh_image(image, vertices=300), mesh)
+    with pytest.raises(RuntimeError, match="during the callback"):
+        next(now.mesh for now in told if now.mesh)()
+
+
+def test_a_callback_ends_the_work():
+    image = picture(400, 300)
+    mesh = hmesh.mesh_image(image, progress=lambda now: now.stage != "anneal")
+    assert "cancelled" in mesh.report.message and area(mesh) == 400 * 300
+
+    class Own(Exception):
+        pass
+
+    def fails(now):
+        if now.stage == "anneal":
+            raise Own("enough")
+
+    for threads in (1, 3):
+        with pytest.raises(Own, match="enough"):
+            hmesh.mesh_image(image, progress=fails, threads=threads)
+    with pytest.raises(TypeError):
+        hmesh.mesh_image(image, progress=7)
+    assert same(hmesh.mesh_image(image, effort="draft"), hmesh.mesh_image(image, effort="draft"))
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals")
+def test_interrupts_end_the_work():
+    code = (
+        "import hmesh, numpy as np, os, signal, threading\n"
+        "image = np.random.default_rng(1).integers(0, 256, (1500, 1500, 3), np.uint8)\n"
+        "threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+        "try:\n"
+        "    hmesh.mesh_image(image, effort='best')\n"
+        "except KeyboardInterrupt:\n"
+        "    print('interrupted', hmesh.mesh_image(image[:9, :9]).width)\n"
+    )
+    out = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert out.stdout == "interrupted 9\n", out.stderr
+
+
+def test_arrays_outlive_their_mesh_and_nothing_leaks():
+    image = picture()
+    mesh = hmesh.mesh_image(image, vertices=100, effort="draft")
+    positions, base = mesh.positions, weakref.ref(mesh.positions)
+    copy = positions.copy()
+    del mesh
+    gc.collect()
+    assert np.array_equal(positions, copy)
+    del positions
+    gc.collect()
+    assert base() is None
+    before = sys.getrefcount(image)
+    for _ in range(20):
+        hmesh.mesh_image(image, vertices=50, effort="draft", weights=None, progress=lambda now: True)
+    assert sys.getrefcount(image) == before
+
+
+def test_meshes_pickle_and_start_others():
+    image = picture()
+    mesh = hmesh.mesh_image(image, vertices=200, effort="draft")
+    again = pickle.loads(pickle.dumps(mesh))
+    assert same(again, mesh) and again.report == mesh.report
+    better = hmesh.mesh_image(image, vertices=200, start=again)
+    assert better.report.psnr > mesh.report.psnr
+    own = hmesh.Mesh(mesh.positions, mesh.colors, mesh.faces, width=120, height=80)
+    assert np.array_equal(own.render(), mesh.render())
+    with pytest.raises(ValueError, match="wide"):
+        hmesh.mesh_image(image[:, 1:], vertices=100, start=mesh)
+
+
+def test_meshes_that_are_none_are_refused():
+    points, colors, faces = np.zeros((3, 2)), np.zeros((3, 3)), np.array([[0, 1, 2]])
+    for arguments in ((points[:, :1], colors, faces), (points, colors[:2], faces), (points, colors, faces[:, :2]), (points, colors[0], faces)):
+        with pytest.raises(ValueError, match="must be"):
+            hmesh.Mesh(*arguments, width=4, height=4)
+    far = hmesh.Mesh(points, colors, [[0, 1, 9]], width=4, height=4)
+    for call in (far.render, lambda: far.tobytes("ply"), lambda: far.tobytes("hmc")):
+        with pytest.raises(ValueError, match="names no vertex"):
+            call()
+    mesh = hmesh.Mesh(points, colors, faces, width=4, height=4)
+    mesh.positions = np.zeros((2, 2), np.float32)
+    with pytest.raises(ValueError, match="as many colors as positions"):
+        mesh.render()
+    for bad in (dict(width=0), dict(width=10**6), dict(height=-3)):
+        with pytest.raises(ValueError):
+            hmesh.mesh_image(picture(), vertices=9).render(**bad)
+
+
+def test_ply_is_read_back():
+    mesh = hmesh.mesh_image(picture(), vertices=123)
+    head, body = mesh.tobytes("ply").split(b"end_header\n", 1)
+    assert b"element vertex 123" in head
+    size = 4 * 3 + 3  # x, y, z and three bytes
+    assert b"property uchar red" in head
+    for k, (p, c) in enumerate(zip(mesh.positions, mesh.colors)):
+        x, y, _, *rgb = struct.unpack_from("<fffBBB", body, size * k)
+        assert (x, 80 - y if y != p[1] else y) == (p[0], p[1]) or y == -p[1]
+        assert rgb == list(c)
+
+
+def test_files_are_written_whole_or_not_at_all(tmp_path):
+    mesh = hmesh.mesh_image(picture(), vertices=100, effort="draft")
+    for ending in ("ply", "obj", "glb", "svg", "html", "pdf", "eps", "hmc"):
+        path = tmp_path / f"mesh.{ending}"
+        mesh.write(path)
+        assert path.read_bytes() == mesh.tobytes(ending)
+        file = io.BytesIO()
+        mesh.write(file, ending)
+        assert file.getvalue() == mesh.tobytes(ending)
+    assert sorted(path.suffix for path in tmp_path.iterdir()) == sorted(
+        (".ply", ".obj", ".glb", ".svg", ".html", ".pdf", ".eps", ".hmc"))
+    old = tmp_path / "mesh.ply"
+    before = old.read_bytes()
+    with pytest.raises(TypeError, match="no option"):
+        mesh.write(old, wireframe=True)
+    with pytest.raises(ValueError, match="format must be one of"):
+        mesh.write(tmp_path / "mesh.xyz")
+    with pytest.raises(ValueError, match="format must be named"):
+        mesh.write(io.BytesIO())
+    with pytest.raises(FileNotFoundError):
+        mesh.write(tmp_path / "nowhere" / "mesh.ply")
+    assert old.read_bytes() == before
+
+    class Full(io.RawIOBase):
+        def write(self, data):
+            raise OSError(28, "No space left on device")
+
+    with pytest.raises(OSError, match="No space"):
+        mesh.write(Full(), "ply")
+    assert len(list(tmp_path.iterdir())) == 8
+
+
+def test_compact_files_come_back():
+    for channels in (1, 3):
+        mesh = hmesh.mesh_image(picture(channels=channels), vertices=150)
+        data = mesh.tobytes("hmc")
+        again = hmesh.read(data)
+        assert again.tobytes("hmc") == data
+        assert np.array_equal(again.render(), mesh.render())
+    for bad in (b"", b"HMC", data[:-1], data[:40] + bytes([data[40] ^ 1]) + data[41:]):
+        with pytest.raises(ValueError):
+            hmesh.read(bad)
+    with pytest.raises(ValueError, match="vertices"):
+        hmesh.read(data, max_vertices=10)
+
+
+def test_terrain_keeps_its_bound():
+    y, x = np.mgrid[0:90, 0:110]
+    heights = (500 + 90 * np.sin(x / 11) * np.cos(y / 9)).astype(np.float32)
+    mesh = hmesh.mesh_terrain(heights, max_error=2)
+    drawn = mesh.render()[:, :, 0]
+    assert np.abs(drawn - heights).max() <= 2 * (1 + 1e-6)
+    assert mesh.report.max_error <= 2 and mesh.samples == "points" and len(mesh.faces) < 4000
+    holes = heights.copy()
+    holes[20:40, 30:60] = np.nan
+    with pytest.raises(ValueError):
+        hmesh.mesh_terrain(holes, max_error=2)
+    fewer = hmesh.mesh_terrain(holes, max_error=2, nan_is_no_data=True)
+    masked = hmesh.mesh_terrain(np.nan_to_num(holes), max_error=2, mask=~np.isnan(holes))
+    assert same(fewer, masked) and area(fewer) < area(mesh)
+    for name in ("stl", "height_ply", "height_obj", "height_glb"):
+        assert mesh.tobytes(name, z_scale=0.5)
+    assert len(mesh.tobytes("stl", base=0)) > len(mesh.tobytes("stl"))
+    for bad in (-1, math.nan):
+        with pytest.raises(ValueError, match="max_error"):
+            hmesh.mesh_terrain(heights, max_error=bad)
+    with pytest.raises(ValueError, match="1 channels"):
+        hmesh.mesh_terrain(picture(), max_error=1)
+
+
+def test_pictures_of_other_sizes_and_types():
+    image = picture(dtype=np.uint16)
+    mesh = hmesh.mesh_image(image, vertices=300)
+    assert mesh.render(60, 40).shape == (40, 60, 3)
+    eight, sixteen = mesh.render(dtype=np.uint8), mesh.render(dtype=np.uint16)
+    assert eight.dtype == np.uint8 and np.abs(eight * 257.0 - sixteen).max() <= 129
+    with pytest.raises(TypeError, match="float32, uint8 or uint16"):
+        mesh.render(dtype=np.int32)
+
+
+def test_to_trimesh():
+    trimesh = pytest.importorskip("trimesh")
+    mesh = hmesh.mesh_image(picture(), vertices=100)
+    other = mesh.to_trimesh()
+    assert isinstance(other, trimesh.Trimesh)
+    assert len(other.vertices) == 100 and other.area == pytest.approx(120 * 80)
+    assert (other.face_normals[:, 2] > 0).all()
