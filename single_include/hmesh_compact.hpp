@@ -2008,6 +2008,9 @@ namespace detail {
     return value;
 }
 
+/// What write_compact() says of a vertex that cannot be moved to the lattice.
+inline constexpr const char* lattice_has_no_site = "the lattice is too coarse for the mesh: it has no site for vertex";
+
 /// A mesh on its way to a compact file: what it is, before a bit is coded.
 class CompactWriter {
   public:
@@ -2135,9 +2138,7 @@ class CompactWriter {
         std::vector<std::size_t> left(places_.size()), still;
         std::iota(left.begin(), left.end(), std::size_t{0});
         for (std::int64_t reach = 1; !left.empty(); reach *= 2) {
-            if (reach > 8)
-                return {Errc::invalid_argument, "the lattice is too coarse for the mesh: it has no site for vertex",
-                        static_cast<std::int64_t>(left[0]), head_.step};
+            if (reach > 8) return {Errc::invalid_argument, lattice_has_no_site, static_cast<std::int64_t>(left[0]), head_.step};
             still.clear();
             for (const std::size_t v : left) {
                 const GridPoint from = places_[v];
@@ -2474,7 +2475,7 @@ template <class T, int C>
         const double top = y * step_y, bottom = std::min<double>(top + step_y, view.height);
         for (int x = 0; x < columns; ++x) {
             const double left = x * step_x, right = std::min<double>(left + step_x, view.width);
-            std::array<double, C> sums{};
+            std::array<double, std::size_t{C}> sums{};
             for (int j = static_cast<int>(top); j < view.height && j < bottom; ++j)
                 for (int i = static_cast<int>(left); i < view.width && i < right; ++i) {
                     const double weight = part(i, left, right) * part(j, top, bottom);
@@ -2545,6 +2546,7 @@ struct CompactLattice {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -2578,7 +2580,7 @@ namespace detail {
 template <class T, int C>
 [[nodiscard]] double drawn_psnr(Mesh mesh, const ImageView<T, C>& view, const ParallelFor& parallel_for) {
     mesh.peak = PixelTraits<T>::peak;
-    for (float& value : mesh.colors) value = static_cast<float>(value / 255.0 * mesh.peak);
+    for (float& value : mesh.colors) value = static_cast<float>(static_cast<double>(value) / 255 * mesh.peak);
     RenderOptions size;
     size.width = view.width;
     size.height = view.height;
@@ -2592,6 +2594,53 @@ struct CompactReference {
     Image<std::uint8_t, C> pixels;
     int width, height, shrink;
 };
+
+/// Removes a vertex where triangles of one of its neighbours can take the place of its own: of that with the largest least area.
+/// False, and nothing happens, where there is none, as of corners.
+[[nodiscard]] HMESH_COLD inline bool remove_vertex(Mesh& mesh, std::uint32_t v) {
+    std::vector<std::array<std::uint32_t, 2>> ring;  // the edges across from v
+    for (const std::array<std::uint32_t, 3>& face : mesh.faces)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (face[k] == v) ring.push_back({face[(k + 1) % 3], face[(k + 2) % 3]});
+    const auto place = [&](std::uint32_t u) {
+        return kit::Point{static_cast<double>(mesh.positions[2 * u]), static_cast<double>(mesh.positions[2 * u + 1])};
+    };
+    const auto count = [&](std::size_t end, std::uint32_t u) {
+        return std::count_if(ring.begin(), ring.end(), [&](const auto& edge) { return edge[end] == u; });
+    };
+    // On the mesh's border the ring is open, and its ends are the neighbours along the border; corners stay.
+    std::vector<std::uint32_t> ends;
+    for (const auto& [a, b] : ring) {
+        if (count(1, a) == 0) ends.push_back(a);
+        if (count(0, b) == 0) ends.push_back(b);
+    }
+    const bool is_open = !ends.empty();
+    if (is_open && (ends.size() != 2 || kit::orient2d(place(ends[0]), place(v), place(ends[1])) != 0)) return false;
+    std::uint32_t best = v;
+    double largest = 0;
+    for (const auto& edge : ring)
+        for (const std::uint32_t u : edge) {
+            if (is_open && u != ends[0] && u != ends[1]) continue;
+            double least = std::numeric_limits<double>::infinity();
+            for (const auto& [a, b] : ring)
+                if (a != u && b != u) least = std::min(least, kit::orient2d(place(u), place(a), place(b)));
+            if (least > largest && std::isfinite(least)) largest = least, best = u;
+        }
+    if (best == v) return false;
+    const auto is_beside = [&](const std::array<std::uint32_t, 3>& face) {
+        return std::find(face.begin(), face.end(), v) != face.end();
+    };
+    mesh.faces.erase(std::remove_if(mesh.faces.begin(), mesh.faces.end(), is_beside), mesh.faces.end());
+    for (const auto& [a, b] : ring)
+        if (a != best && b != best) mesh.faces.push_back({best, a, b});
+    for (std::array<std::uint32_t, 3>& face : mesh.faces)
+        for (std::uint32_t& u : face) u -= u > v ? 1 : 0;
+    const auto begin = [v](auto& numbers, std::size_t each) { return numbers.begin() + static_cast<std::ptrdiff_t>(each * v); };
+    mesh.positions.erase(begin(mesh.positions, 2), begin(mesh.positions, 2) + 2);
+    mesh.colors.erase(begin(mesh.colors, static_cast<std::size_t>(mesh.channels)),
+                      begin(mesh.colors, static_cast<std::size_t>(mesh.channels)) + mesh.channels);
+    return true;
+}
 
 /// Tells of the runs of mesh_image() as of one piece of work. How many there will be is not known: each takes a twelfth of what
 /// is left.
@@ -2682,27 +2731,37 @@ class CompactSearch {
     }
 
   private:
-    /// Meshes the image with n vertices, or as many less a few as the lattice has room for. Whether there is such a mesh.
+    /// Meshes the image with n vertices, less those that find no site on the lattice. Whether there is such a mesh.
     [[nodiscard]] bool mesh(std::int64_t n, const Annealed& recipe, Status& status) {
-        Options options;
-        options.limits.position_step = lattice_.per_site;
-        if (runs_->are_heard()) options.progress = *runs_;
         const ImageView<std::uint8_t, C> pixels = pixels_.view();
         const std::int64_t most = std::max<std::int64_t>(4, std::int64_t{pixels.width} * pixels.height);
-        for (int more = 0; more < 8 && n - more >= 4; ++more) {
-            options.target = Target::vertices(std::min(n - more, most));
-            Result result = mesh_image(pixels, options, recipe, *parallel_for_);
-            runs_->add();
-            status = result.status;
-            if (!status) return false;
-            mesh_ = std::move(result.mesh);
-            mesh_.premultiplied = options_->premultiplied;
-            if (!write(CompactHead::coarsest).empty()) return true;
+        Options options;
+        options.target = Target::vertices(std::min(n, most));
+        options.limits.position_step = lattice_.per_site;
+        if (runs_->are_heard()) options.progress = *runs_;
+        Result result = mesh_image(pixels, options, recipe, *parallel_for_);
+        runs_->add();
+        status = result.status;
+        if (!status) return false;
+        mesh_ = std::move(result.mesh);
+        mesh_.premultiplied = options_->premultiplied;
+        for (std::int64_t left = 4 + n / 8; left > 0; --left) {
+            std::vector<std::uint8_t> file;
+            const Status written = write(CompactHead::coarsest, file);
+            if (written) return true;
+            if (written.what != lattice_has_no_site || !remove_vertex(mesh_, static_cast<std::uint32_t>(written.value)))
+                return false;
         }
         return false;
     }
-    /// The file of the mesh; none where a vertex finds no site.
+    /// The file of the mesh, for which there are sites.
     [[nodiscard]] std::vector<std::uint8_t> write(std::uint32_t color_step) const {
+        std::vector<std::uint8_t> file;
+        const Status status = write(color_step, file);
+        HMESH_ASSERT(status);
+        return status ? file : std::vector<std::uint8_t>();
+    }
+    [[nodiscard]] Status write(std::uint32_t color_step, std::vector<std::uint8_t>& file) const {
         Mesh moved = mesh_;
         const auto per_site = static_cast<float>(lattice_.per_site);
         CompactOptions options;
@@ -2722,14 +2781,12 @@ class CompactSearch {
                     std::min(moved.positions[i] * scale, static_cast<float>(i % 2 == 0 ? moved.width : moved.height));
             options.lattice = static_cast<std::uint32_t>(256 * lattice_.shrink * lattice_.per_site);
         }
-        std::vector<std::uint8_t> bytes;
         const auto sink = [&](const void* from, std::size_t size) {
             const auto* const begin = static_cast<const std::uint8_t*>(from);
-            bytes.insert(bytes.end(), begin, begin + size);
+            file.insert(file.end(), begin, begin + size);
             return true;
         };
-        if (!write_compact(moved.view(), sink, options)) bytes.clear();
-        return bytes;
+        return write_compact(moved.view(), sink, options);
     }
 
     /// Puts the bytes that a file leaves into finer colours. It becomes `best` if its error is less.

@@ -13,10 +13,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/array.hpp"
+#include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
@@ -24,6 +25,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/io/compact.hpp"
+#include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/annealed/options.hpp"
@@ -64,7 +66,7 @@ namespace detail {
 template <class T, int C>
 [[nodiscard]] double drawn_psnr(Mesh mesh, const ImageView<T, C>& view, const ParallelFor& parallel_for) {
     mesh.peak = PixelTraits<T>::peak;
-    for (float& value : mesh.colors) value = static_cast<float>(value / 255.0 * mesh.peak);
+    for (float& value : mesh.colors) value = static_cast<float>(static_cast<double>(value) / 255 * mesh.peak);
     RenderOptions size;
     size.width = view.width;
     size.height = view.height;
@@ -78,6 +80,53 @@ struct CompactReference {
     Image<std::uint8_t, C> pixels;
     int width, height, shrink;
 };
+
+/// Removes a vertex where triangles of one of its neighbours can take the place of its own: of that with the largest least area.
+/// False, and nothing happens, where there is none, as of corners.
+[[nodiscard]] HMESH_COLD inline bool remove_vertex(Mesh& mesh, std::uint32_t v) {
+    std::vector<std::array<std::uint32_t, 2>> ring;  // the edges across from v
+    for (const std::array<std::uint32_t, 3>& face : mesh.faces)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (face[k] == v) ring.push_back({face[(k + 1) % 3], face[(k + 2) % 3]});
+    const auto place = [&](std::uint32_t u) {
+        return kit::Point{static_cast<double>(mesh.positions[2 * u]), static_cast<double>(mesh.positions[2 * u + 1])};
+    };
+    const auto count = [&](std::size_t end, std::uint32_t u) {
+        return std::count_if(ring.begin(), ring.end(), [&](const auto& edge) { return edge[end] == u; });
+    };
+    // On the mesh's border the ring is open, and its ends are the neighbours along the border; corners stay.
+    std::vector<std::uint32_t> ends;
+    for (const auto& [a, b] : ring) {
+        if (count(1, a) == 0) ends.push_back(a);
+        if (count(0, b) == 0) ends.push_back(b);
+    }
+    const bool is_open = !ends.empty();
+    if (is_open && (ends.size() != 2 || kit::orient2d(place(ends[0]), place(v), place(ends[1])) != 0)) return false;
+    std::uint32_t best = v;
+    double largest = 0;
+    for (const auto& edge : ring)
+        for (const std::uint32_t u : edge) {
+            if (is_open && u != ends[0] && u != ends[1]) continue;
+            double least = std::numeric_limits<double>::infinity();
+            for (const auto& [a, b] : ring)
+                if (a != u && b != u) least = std::min(least, kit::orient2d(place(u), place(a), place(b)));
+            if (least > largest && std::isfinite(least)) largest = least, best = u;
+        }
+    if (best == v) return false;
+    const auto is_beside = [&](const std::array<std::uint32_t, 3>& face) {
+        return std::find(face.begin(), face.end(), v) != face.end();
+    };
+    mesh.faces.erase(std::remove_if(mesh.faces.begin(), mesh.faces.end(), is_beside), mesh.faces.end());
+    for (const auto& [a, b] : ring)
+        if (a != best && b != best) mesh.faces.push_back({best, a, b});
+    for (std::array<std::uint32_t, 3>& face : mesh.faces)
+        for (std::uint32_t& u : face) u -= u > v ? 1 : 0;
+    const auto begin = [v](auto& numbers, std::size_t each) { return numbers.begin() + static_cast<std::ptrdiff_t>(each * v); };
+    mesh.positions.erase(begin(mesh.positions, 2), begin(mesh.positions, 2) + 2);
+    mesh.colors.erase(begin(mesh.colors, static_cast<std::size_t>(mesh.channels)),
+                      begin(mesh.colors, static_cast<std::size_t>(mesh.channels)) + mesh.channels);
+    return true;
+}
 
 /// Tells of the runs of mesh_image() as of one piece of work. How many there will be is not known: each takes a twelfth of what
 /// is left.
@@ -168,27 +217,37 @@ class CompactSearch {
     }
 
   private:
-    /// Meshes the image with n vertices, or as many less a few as the lattice has room for. Whether there is such a mesh.
+    /// Meshes the image with n vertices, less those that find no site on the lattice. Whether there is such a mesh.
     [[nodiscard]] bool mesh(std::int64_t n, const Annealed& recipe, Status& status) {
-        Options options;
-        options.limits.position_step = lattice_.per_site;
-        if (runs_->are_heard()) options.progress = *runs_;
         const ImageView<std::uint8_t, C> pixels = pixels_.view();
         const std::int64_t most = std::max<std::int64_t>(4, std::int64_t{pixels.width} * pixels.height);
-        for (int more = 0; more < 8 && n - more >= 4; ++more) {
-            options.target = Target::vertices(std::min(n - more, most));
-            Result result = mesh_image(pixels, options, recipe, *parallel_for_);
-            runs_->add();
-            status = result.status;
-            if (!status) return false;
-            mesh_ = std::move(result.mesh);
-            mesh_.premultiplied = options_->premultiplied;
-            if (!write(CompactHead::coarsest).empty()) return true;
+        Options options;
+        options.target = Target::vertices(std::min(n, most));
+        options.limits.position_step = lattice_.per_site;
+        if (runs_->are_heard()) options.progress = *runs_;
+        Result result = mesh_image(pixels, options, recipe, *parallel_for_);
+        runs_->add();
+        status = result.status;
+        if (!status) return false;
+        mesh_ = std::move(result.mesh);
+        mesh_.premultiplied = options_->premultiplied;
+        for (std::int64_t left = 4 + n / 8; left > 0; --left) {
+            std::vector<std::uint8_t> file;
+            const Status written = write(CompactHead::coarsest, file);
+            if (written) return true;
+            if (written.what != lattice_has_no_site || !remove_vertex(mesh_, static_cast<std::uint32_t>(written.value)))
+                return false;
         }
         return false;
     }
-    /// The file of the mesh; none where a vertex finds no site.
+    /// The file of the mesh, for which there are sites.
     [[nodiscard]] std::vector<std::uint8_t> write(std::uint32_t color_step) const {
+        std::vector<std::uint8_t> file;
+        const Status status = write(color_step, file);
+        HMESH_ASSERT(status);
+        return status ? file : std::vector<std::uint8_t>();
+    }
+    [[nodiscard]] Status write(std::uint32_t color_step, std::vector<std::uint8_t>& file) const {
         Mesh moved = mesh_;
         const auto per_site = static_cast<float>(lattice_.per_site);
         CompactOptions options;
@@ -208,14 +267,12 @@ class CompactSearch {
                     std::min(moved.positions[i] * scale, static_cast<float>(i % 2 == 0 ? moved.width : moved.height));
             options.lattice = static_cast<std::uint32_t>(256 * lattice_.shrink * lattice_.per_site);
         }
-        std::vector<std::uint8_t> bytes;
         const auto sink = [&](const void* from, std::size_t size) {
             const auto* const begin = static_cast<const std::uint8_t*>(from);
-            bytes.insert(bytes.end(), begin, begin + size);
+            file.insert(file.end(), begin, begin + size);
             return true;
         };
-        if (!write_compact(moved.view(), sink, options)) bytes.clear();
-        return bytes;
+        return write_compact(moved.view(), sink, options);
     }
 
     /// Puts the bytes that a file leaves into finer colours. It becomes `best` if its error is less.

@@ -31,7 +31,7 @@ template <class T, int C>
         const double top = y * step_y, bottom = std::min<double>(top + step_y, view.height);
         for (int x = 0; x < columns; ++x) {
             const double left = x * step_x, right = std::min<double>(left + step_x, view.width);
-            std::array<double, C> sums{};
+            std::array<double, std::size_t{C}> sums{};
             for (int j = static_cast<int>(top); j < view.height && j < bottom; ++j)
                 for (int i = static_cast<int>(left); i < view.width && i < right; ++i) {
                     const double weight = part(i, left, right) * part(j, top, bottom);
