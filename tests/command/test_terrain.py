@@ -119,6 +119,11 @@ def test_tiles_of_15_bits_keep_one_range_of_heights_and_one_border_with_all_effo
         assert all(side(tiles[x, 0], 1, 0) == side(tiles[x, 1], 1, 1) for x in range(3))
 
 
+def test_a_folder_that_is_not_there_is_said_to_be_missing(terrain):
+    write("dem.pgm", dems.pgm(ground(9, 8)))
+    terrain.fails("cannot write 'nowhere/model.ply': No such file or directory", "dem.pgm -o nowhere/model.ply --max-error 2")
+
+
 def test_a_better_effort_takes_fewer_triangles(terrain):
     write("dem.pgm", dems.pgm(ground(90, 80)))
     counts = [report_of(terrain, f"dem.pgm -o model.ply --max-error 20 --effort {effort}")["triangles"] for effort in EFFORTS]
