@@ -1005,6 +1005,25 @@ struct Lanes {
     }
     /// Writes N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
+    /// Writes N integers to memory, which need not be aligned: the lanes, whole numbers that 32 bits hold.
+    HMESH_ALWAYS_INLINE void store(std::int32_t* to) const {
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
+            each([&](std::size_t k) {
+                Ints ints;
+#if defined(__AVX__) && !defined(__clang__)
+                if constexpr (width == 4) ints = __builtin_ia32_cvttpd2dq256(block[k]);  // GCC 12 makes four instructions of:
+                else
+#endif
+                    ints = __builtin_convertvector(block[k], Ints);
+                std::memcpy(to + width * k, &ints, sizeof ints);
+            });
+            return;
+        }
+#endif
+        for (int i = 0; i < N; ++i) to[i] = static_cast<std::int32_t>((*this)[i]);
+    }
 
     /// Adds lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {
@@ -6312,10 +6331,11 @@ struct MeshLimits {
     /// Weight of a vertex's current colour in the choice of a new one, in pixels, in [1e-9, 1]. It determines the colours of
     /// corners whose faces hold no pixel.
     double ridge = 1e-3;
-    /// Step of the grid to which vertices move, in px: a power of two in [1/256, 1/4]. 1/256 px is what GPUs tell apart. A
+    /// Step of the grid to which vertices move, in px: a power of two in [1/256, 16]. 1/256 px is what GPUs tell apart. A
     /// coarser one is for files and buffers that keep fewer bits of a position: the mesh is fitted to what they hold. Down to
     /// 1/16 px that costs a photograph nothing measurable, down to 1/32 px a drawing of panels; rounding afterwards would cost
-    /// the latter 1 to 10 dB, since faces turn over.
+    /// the latter 1 to 10 dB, since faces turn over. Above 1/4 px, where vertices are but few steps apart, some find no
+    /// place and stay off that grid, on the one of 1/256 px.
     double position_step = 1.0 / 256;
 };
 
@@ -6326,7 +6346,7 @@ struct MeshLimits {
                            {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},
                            {"limits.color_overshoot must be in [0, 100] ranges", limits.color_overshoot, 0, 100},
                            {"limits.ridge must be in [1e-9, 1] pixels", limits.ridge, 1e-9, 1},
-                           {"limits.position_step must be in [1/256, 1/4] px", limits.position_step, 1.0 / 256, 0.25}});
+                           {"limits.position_step must be in [1/256, 16] px", limits.position_step, 1.0 / 256, 16}});
     double step = 1.0 / 256;
     while (step < limits.position_step) step *= 2;
     if (ranges && step != limits.position_step)
@@ -7474,26 +7494,35 @@ class MomentTable {
 
     template <class N>
     void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) {
-        N sums[band][numbers] = {};
+        struct Half {
+            Lanes<lanes> of_samples, by_column;  // the halves of an entry; of whole numbers exact
+        };
+        Half sums[band];
+        for (Half& of_row : sums) of_row.of_samples = of_row.by_column = Lanes<lanes>::zero();
+        // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
+        double added[chunk][numbers] = {};
+        for (auto& of_pixel : added) of_pixel[C] = 1;
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
-            N sum[numbers];  // of its own, which no entry can be
-            std::memcpy(sum, sums[y - begin], sizeof sum);
-            N* entry = entries + offset(x0, y);
-            for (int x = x0;; ++x, pixel += C) {
-                std::memcpy(entry, sum, sizeof sum);
-                if (x == x0 + count) break;
-                entry += step_after(x);
-                N square = 0;
+            for (int i = 0; i < count; ++i, pixel += C) {
+                double square = 0;
                 for (int c = 0; c < C; ++c) {
-                    const N value = static_cast<N>(pixel[c]);
-                    sum[c] += value;
-                    sum[lanes + c] += static_cast<N>(x) * value;
-                    square += value * value;
+                    added[i][c] = pixel[c];
+                    added[i][lanes + c] = (x0 + i) * pixel[c];
+                    square += pixel[c] * pixel[c];
                 }
-                sum[C] += 1;
-                sum[lanes + C] += square;
+                added[i][lanes + C] = square;
             }
-            std::memcpy(sums[y - begin], sum, sizeof sum);
+            Half sum = sums[y - begin];
+            N* entry = entries + offset(x0, y);
+            for (int i = 0;; ++i) {
+                sum.of_samples.store(entry);
+                sum.by_column.store(entry + lanes);
+                if (i == count) break;
+                entry += step_after(x0 + i);
+                sum.of_samples += Lanes<lanes>::load(added[i]);
+                sum.by_column += Lanes<lanes>::load(added[i] + lanes);
+            }
+            sums[y - begin] = sum;
         });
     }
 

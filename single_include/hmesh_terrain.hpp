@@ -1345,6 +1345,7 @@ inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& sa
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 namespace hmesh::kit {
 
@@ -1353,15 +1354,17 @@ inline constexpr int max_bounded_channels = 4;
 
 /// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
 struct HeightField {
-    int width = 0,                       ///< samples in a row
-        height = 0,                      ///< rows
-        channels = 1;                    ///< 1 to 4
-    Samples samples = Samples::squares;  ///< where samples stand
-    double slack = 0;                    ///< largest |float - sample|
-    double largest = 0;                  ///< largest |sample| with data
-    int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
-    Array<float> values;                 ///< plane after plane, rows packed, some floats more at the end; 0 without data
-    Array<std::uint8_t> data;            ///< 1 for samples with data; empty: all
+    int width = 0,                            ///< samples in a row
+        height = 0,                           ///< rows
+        channels = 1;                         ///< 1 to 4
+    Samples samples = Samples::squares;       ///< where samples stand
+    double slack = 0;                         ///< largest |float - sample|
+    double largest = 0;                       ///< largest |sample| with data
+    float lowest[max_bounded_channels] = {},  ///< of each channel the lowest sample with data, as float; 0 without any
+        highest[max_bounded_channels] = {};   ///< and the highest
+    int bad_row = -1;                         ///< a row with a sample that has data and is no finite float; or -1
+    Array<float> values;                      ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    Array<std::uint8_t> data;                 ///< 1 for samples with data; empty: all
 
     /// 1/2 for squares, 0 for points.
     [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
@@ -1400,6 +1403,7 @@ template <class T, int C>
 [[nodiscard]] HeightField height_field(const ImageView<T, C>& view, Samples samples, const ImageView<std::uint8_t, 1>& mask,
                                        bool nan_is_no_data, const ParallelFor& parallel_for) {
     static_assert(C <= max_bounded_channels, "a bounded mesh has 1 to 4 channels");
+    constexpr float huge = std::numeric_limits<float>::max();
     HeightField field;
     field.width = view.width;
     field.height = view.height;
@@ -1410,6 +1414,7 @@ template <class T, int C>
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
     Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<float> lowest(rows * C, huge), highest(rows * C, -huge);
     Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j) {
@@ -1434,6 +1439,8 @@ template <class T, int C>
                     }
                     slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
                     largest[j] = std::max(largest[j], std::abs(value[c]));
+                    lowest[j * C + c] = std::min(lowest[j * C + c], rounded);
+                    highest[j * C + c] = std::max(highest[j * C + c], rounded);
                 }
             }
         }
@@ -1446,6 +1453,14 @@ template <class T, int C>
         if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
     }
     if (!has_holes) field.data = {};
+    for (std::size_t c = 0; c < C; ++c) {
+        float low = huge, high = -huge;
+        for (std::size_t j = 0; j < rows; ++j) {
+            low = std::min(low, lowest[j * C + c]);
+            high = std::max(high, highest[j * C + c]);
+        }
+        if (low <= high) field.lowest[c] = low, field.highest[c] = high;
+    }
     return field;
 }
 
@@ -1463,6 +1478,7 @@ template <class T, int C>
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
+#include <limits>
 
 namespace hmesh {
 
@@ -1483,12 +1499,18 @@ struct Bounded {
     /// samples along the side, the bound and the effort alone: meshes of two tiles that share this row have the same border
     /// vertices and heights, to the last bit. Free borders take 1 % fewer triangles at 10,000, 10 % at 500.
     bool free_borders = false;
+    /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
+    /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
+    /// smallest of these.
+    double border_error = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
     if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
+    if (!(recipe.border_error >= 0))
+        return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
     return {};
@@ -2611,8 +2633,8 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
 /// The samples of faces around a vertex, the apex, as a linear function of its heights.
 class Star {
   public:
-    /// Units of 1 / `per_unit`, in which all that follows is told.
-    Star(const HeightField& field, double per_unit) : field_(&field), per_unit_(per_unit) {}
+    /// Units of 1 / `per_unit`, in which all that follows is told. `limit`: how far corners may be out of all samples' range.
+    Star(const HeightField& field, double per_unit, double limit) : field_(&field), per_unit_(per_unit), limit_(limit) {}
 
     /// Begins anew, with the apex at `place`; heights are told relative to `apex`'s.
     void begin(const Corner& apex, Point place) noexcept {
@@ -2714,12 +2736,18 @@ class Star {
         return true;
     }
 
-    /// The corner with the apex at these heights, rounded to finite floats.
+    /// The corner with the apex at these heights, rounded to finite floats. Between samples a steep face may rise to any height,
+    /// and what holds the mesh, such as numbers of 15 bits, has an end: so no corner is farther out of the samples' range than
+    /// samples may be.
     [[nodiscard]] Corner apex(const double* heights) const noexcept {
         Corner corner;
         corner.position = place_;
-        for (int c = 0; c < field_->channels; ++c)
-            corner.heights[c] = PixelTraits<float>::from_real(static_cast<double>(base_.heights[c]) + heights[c] / per_unit_);
+        for (int c = 0; c < field_->channels; ++c) {
+            const double low = static_cast<double>(field_->lowest[c]) - limit_,
+                         high = static_cast<double>(field_->highest[c]) + limit_;
+            const double height = static_cast<double>(base_.heights[c]) + heights[c] / per_unit_;
+            corner.heights[c] = PixelTraits<float>::from_real(std::max(low, std::min(high, height)));
+        }
         return corner;
     }
 
@@ -2807,7 +2835,7 @@ class Star {
     }
 
     const HeightField* field_;
-    double per_unit_;
+    double per_unit_, limit_;
     Corner base_;
     Point place_;
     Array<StarFace> faces_;
@@ -2847,7 +2875,8 @@ class BoundedRelaxation {
   public:
     /// Works on this mesh, which must outlive it.
     BoundedRelaxation(BoundedMesh& mesh, const Moves& moves)
-        : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
+        : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_, mesh.limit),
+          then_(*mesh.field, per_unit_, mesh.limit) {}
 
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
     /// what they can.
@@ -2984,7 +3013,7 @@ class BoundedRemoval {
   public:
     /// Works on this mesh, which must outlive it, with what the relaxation may do.
     BoundedRemoval(BoundedMesh& mesh, BoundedRelaxation& relaxation, const Moves& moves)
-        : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
+        : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit(), mesh.limit) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
     HMESH_COLD std::size_t pass(const Array<Vertex>& vertices) {
@@ -3452,7 +3481,11 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        Sheet sheet = first_sheet(*field_, rect, limit_, recipe_.effort >= Bounded::Effort::normal);
+        // limit_ is less than the bound by what the largest sample of all costs, which a neighbour does not know: sides, which
+        // keep to a millionth less, need none of that where it is less.
+        double side = recipe_.max_error * (1 - 1e-6) < limit_ ? recipe_.max_error : limit_;
+        if (!recipe_.free_borders) side = std::min(side, recipe_.border_error);
+        Sheet sheet = first_sheet(*field_, rect, side, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;

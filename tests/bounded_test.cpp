@@ -374,6 +374,49 @@ TEST_CASE("tiles that share a row of samples share its border vertices and heigh
         }
 }
 
+TEST_CASE("borders do not depend on what is high beside them, nor with a bound of their own on that of the inside") {
+    constexpr int width = 61, height = 81;
+    Random random(12);
+    std::vector<float> samples;
+    for (int k = 0; k < width * height; ++k) samples.push_back(static_cast<float>(500 + between(random, -9, 9)));
+    const auto half = [&](int y) { return hmesh::ImageView<float, 1>{samples.data() + y * width, width, 41, 0}; };
+    hmesh::Options options;
+    options.samples = Samples::points;
+    samples[20 * width + 30] = 1e8F;  // of the upper one alone
+    for (const Effort effort : efforts) {
+        Bounded recipe{1, effort};
+        CHECK(line_of(hmesh::mesh_image(half(0), options, recipe).mesh, 1, 40) ==
+              line_of(hmesh::mesh_image(half(40), options, recipe).mesh, 1, 0));
+        recipe.max_error = 15;
+        recipe.border_error = 4;
+        const hmesh::Mesh upper = hmesh::mesh_image(half(0), options, recipe).mesh;
+        recipe.max_error = 5;
+        const hmesh::Mesh lower = hmesh::mesh_image(half(40), options, recipe).mesh;
+        CHECK(line_of(upper, 1, 40) == line_of(lower, 1, 0));
+        CHECK(line_of(lower, 1, 40) != line_of(upper, 1, 0));
+        recipe.max_error = 15;
+        recipe.border_error = 1e9;
+        const hmesh::Mesh far = hmesh::mesh_image(half(0), options, recipe).mesh;
+        CHECK(line_of(far, 1, 40) == line_of(hmesh::mesh_image(half(0), options, {15, effort}).mesh, 1, 40));
+        CHECK(line_of(far, 1, 40) != line_of(upper, 1, 40));
+    }
+}
+
+TEST_CASE("no vertex is farther above or below all samples than the bound") {
+    Random random(13);
+    Terrain<float> terrain{40, 30, {}, {}};
+    for (int k = 0; k < 40 * 30; ++k) terrain.samples.push_back(random.uniform() < 0.2 ? 100.0F : 0.0F);
+    for (const Samples convention : {Samples::points, Samples::squares})
+        for (const Effort effort : efforts)
+            for (const double bound : {1.0, 5.0, 20.0}) {
+                const hmesh::Mesh mesh = hmesh::mesh_image(terrain.view(), options_of(terrain, convention), {bound, effort}).mesh;
+                REQUIRE(!mesh.colors.empty());
+                const auto [low, high] = std::minmax_element(mesh.colors.begin(), mesh.colors.end());
+                CHECK(static_cast<double>(*low) >= -bound);
+                CHECK(static_cast<double>(*high) <= 100 + bound);
+            }
+}
+
 TEST_CASE("any executor gives the same bytes, in one piece and in several") {
     constexpr int width = 1100, height = 60;
     std::vector<std::uint16_t> samples;
@@ -445,6 +488,8 @@ TEST_CASE("what a mesh within a bound cannot honour is refused with a sentence")
     for (const double bound : {-1.0, -1e-300, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
         CHECK(refused({}, {bound}));
     CHECK(refused({}, {1, static_cast<Effort>(7)}));
+    for (const double bound : {-1.0, std::numeric_limits<double>::quiet_NaN()})
+        CHECK(refused({}, {1, Effort::fast, false, bound}));
     hmesh::Options options;
     options.target = hmesh::Target::percent(2);
     CHECK(refused(options, {1}));

@@ -86,8 +86,8 @@ TEST_CASE_TEMPLATE("Lanes: every operation does to each lane what it does to a d
     }
 }
 
-TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, also from 32-bit integers", S, Size<1>, Size<2>,
-                   Size<4>, Size<8>, Size<12>, Size<16>, Size<20>) {
+TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, 32-bit integers too", S, Size<1>, Size<2>, Size<4>,
+                   Size<8>, Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;
     hmesh::kit::Random random(n);
     // Offset by one number, so that nothing may rely on alignment.
@@ -104,6 +104,12 @@ TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, a
     CHECK(stored[0] == 7);
     CHECK(stored[n + 1] == 7);
     CHECK(equal(Lanes<n>::load(stored + 1), [&](int i) { return a[i]; }));
+    std::int32_t back[n + 2] = {};
+    back[0] = back[n + 1] = 7;
+    a.store(back + 1);
+    CHECK(back[0] == 7);
+    CHECK(back[n + 1] == 7);
+    for (int i = 1; i <= n; ++i) CHECK(back[i] == integers[i]);
 
     for (int k = 0; k < n; ++k) {
         Lanes<n> b = a;

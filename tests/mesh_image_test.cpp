@@ -305,7 +305,7 @@ TEST_CASE("limits that mean nothing are refused, each by itself") {
                                                            {&hmesh::MeshLimits::border_gap, {0, 1.0 / 512, 0.3, 1e9}},
                                                            {&hmesh::MeshLimits::color_overshoot, {-1e-9, 101, 1e300}},
                                                            {&hmesh::MeshLimits::ridge, {0, 1.5, 1e300}},
-                                                           {&hmesh::MeshLimits::position_step, {1.0 / 512, 0.5, 1e300}}};
+                                                           {&hmesh::MeshLimits::position_step, {1.0 / 512, 32, 1e300}}};
     for (const auto& [limit, bads] : cases) {
         for (const double bad : bads) {
             Options options = options_of(Target::vertices(8));

@@ -73,3 +73,28 @@ def test_another_decoder_reads_what_the_command_writes(hmesh, options):
     size = len([line for line in head if line.startswith("property uchar")]) + 12
     places = sorted(struct.unpack_from("<2f", body, size * k) for k in range(len(vertices)))
     assert places == sorted((v[0] / 256, height - v[1] / 256) for v in vertices)
+
+
+@pytest.mark.parametrize("image, options", [("picture.png", ""), ("grey.pgm", "--effort draft"), ("rgba.tga", "--premultiplied")])
+def test_a_file_of_so_many_bytes(hmesh, image, options):
+    said = hmesh.done(f"{image} {options} --bytes 250 -o x.hmc -o x.ply --render x.png")
+    assert 245 <= len(read("x.hmc")) <= 250 and "vertices  " in said
+    hmesh.done("x.hmc -o y.ply --render y.png")
+    assert read("x.ply") == read("y.ply") and read("x.png") == read("y.png")
+    size, vertices, faces = hmc.read_compact(read("x.hmc"))
+    assert f"element vertex {len(vertices)}" in ply_header("x.ply") and f"vertices  {len(vertices)}\n" in said
+    hmesh.done(f"{image} {options} --bytes 250 --threads 3 -o again.hmc")
+    assert read("x.hmc") == read("again.hmc")
+
+
+def test_what_bytes_cannot_be(hmesh):
+    hmesh.fails("of 4 vertices (", "picture.png --bytes 9 -o x.hmc")
+    hmesh.fails("--bytes makes files of 8-bit colours, and the image has 16 bits a sample", "grey16.pgm --bytes 300 -o x.hmc")
+    for options, why in [("-o x.ply", "--bytes is given without an output that ends in .hmc"),
+                         ("-o x.hmc --lods 2", "--lods means nothing to --bytes, which makes a small .hmc file"),
+                         ("-o x.hmc --method xie", "--method means nothing to --bytes, which makes a small .hmc file")]:
+        run = hmesh.run(f"picture.png --bytes 300 {options}")
+        assert run.returncode == 2 and why in run.stderr
+    for count in ["0", "-3", "1e3", "2000000000"]:
+        assert hmesh.run(f"picture.png --bytes {count} -o x.hmc").returncode == 2
+    assert not Path("x.hmc").exists()

@@ -26,7 +26,7 @@ async function handle(page, url) {
     'key 1': () => page.keyboard.press('1'),
     'key w': () => page.keyboard.press('w'),
     'wheel': async () => { await page.mouse.move(300, 300); await page.mouse.wheel(0, -200); },
-    'drag': async () => { await page.mouse.down(); await page.mouse.move(340, 350); await page.mouse.up(); },
+    'drag': async () => { await page.mouse.down(); await page.mouse.move(260, 250); await page.mouse.up(); },
     'button': () => page.click('#wires'),
   };
   if (await page.isVisible('#share')) deeds['key o'] = () => page.keyboard.press('o');

@@ -247,6 +247,9 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
         arguments.meshing.premultiplied = arguments.meshing.premultiplied || hmesh::kit::has_alpha(image.channels);
         arguments.meshing.transparent = arguments.alpha >= 0 ? arguments.alpha : default_transparent;
     }
+    if (arguments.meshing.bytes > 0 && image.bits != 8)
+        return {input_words(arguments.input) + ": --bytes makes files of 8-bit colours, and the image has " +
+                std::to_string(image.bits) + " bits a sample"};
     if (!pool)
         if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
 
@@ -260,14 +263,15 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     const bool is_set = !inputs.maps.empty();
     if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
     watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
-    hmesh::Lods lods = mesh_levels(image, options, *pool);
-    hmesh::Result outcome = first_level(lods);
+    Made made;
+    hmesh::Lods lods;
+    if (options.bytes == 0) lods = mesh_levels(image, options, *pool);
+    hmesh::Result outcome = options.bytes == 0 ? first_level(lods) : fit_bytes(image, options, *pool, made.file);
     const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
     if (is_interrupted && arguments.keep_partial) {
         interrupted = false;
         keep_budget(image, options, *pool, outcome);
     }
-    Made made;
     made.seconds = watch.seconds();
     watch.end_mesh();
 

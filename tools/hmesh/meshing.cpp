@@ -18,6 +18,7 @@
 #include "hmesh/methods/baselines/adaptive_thinning.hpp"
 #include "hmesh/methods/baselines/xie.hpp"
 #include "hmesh/methods/hierarchical/hierarchical.hpp"
+#include "hmesh/rate/compact_image.hpp"
 #include "hmesh/render.hpp"
 #include "hmesh/solve/linear_light.hpp"
 #include "readers/rectangles.hpp"
@@ -38,6 +39,12 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
                            : hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), pixels, n, false).sum();
     // The coarser levels of all that there can be take two fifths of the first.
     const double coarser = 0.4 * one * (1 - std::exp2(1 - options.levels));
+    // On a copy of 65,536 px, or more where the bytes are many.
+    const double least = std::min(pixels, std::max(65536.0, 32.0 * static_cast<double>(options.bytes)));
+    if (options.bytes > 0)
+        return 40 * hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), least,
+                                              0.4 * static_cast<double>(options.bytes), false)
+                        .sum();
     return coarser + (is_search ? 2.5 * one : one);
 }
 
@@ -364,6 +371,35 @@ hmesh::Result first_level(hmesh::Lods& lods) {
     }
     first.status = lods.status;
     return first;
+}
+
+hmesh::Result fit_bytes(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for,
+                        std::vector<unsigned char>& file) {
+    hmesh::CompactImageOptions wanted;
+    wanted.bytes = options.bytes;
+    wanted.premultiplied = options.premultiplied && hmesh::kit::has_alpha(image.channels);
+    wanted.progress = options.progress;
+    const hmesh::Annealed recipe = annealed_recipe(options);
+    hmesh::CompactImage made = with_channels(image.channels, [&](auto channels) {
+        const hmesh::ImageView<std::uint8_t, channels.value> view{image.samples8.data(), image.width, image.height, 0};
+        return hmesh::compact_image(view, wanted, recipe, parallel_for);
+    });
+    hmesh::Result result;
+    result.status = made.status;
+    result.mesh = std::move(made.mesh);
+    file = std::move(made.bytes);
+    result.report.vertices = result.mesh.vertex_count();
+    result.report.faces = result.mesh.faces.size();
+    std::vector<float> drawn;
+    if (!result.status || !draw_samples(result.mesh.view(), false, drawn)) return result;
+    const std::vector<float> samples = wanted_samples(image, wanted.premultiplied, parallel_for);
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const double off = std::abs(static_cast<double>(drawn[k]) - static_cast<double>(samples[k]));
+        result.report.energy += off * off;
+        result.report.max_error = std::max(result.report.max_error, off);
+    }
+    result.report.psnr = hmesh::kit::psnr_of_energy(result.report.energy, static_cast<double>(samples.size()), result.mesh.peak);
+    return result;
 }
 
 hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {

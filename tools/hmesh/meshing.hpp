@@ -47,6 +47,7 @@ struct MeshingOptions {
     std::optional<double> border_tolerance;  // see hmesh::Annealed
     double position_step = 1.0 / 256;        // px: see hmesh::MeshLimits
     std::vector<double> channel_weights;     // one for each channel; empty: all alike
+    std::size_t bytes = 0;                   // the most of the compact file that the mesh is made for; 0: of none
     double transparent = -1;             // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
     const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;  // none: all pixels count the same
@@ -74,6 +75,10 @@ struct MeshingOptions {
 // The same without the others.
 [[nodiscard]] hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options,
                                       const hmesh::ParallelFor& parallel_for);
+
+// The mesh of a compact file of at most options.bytes bytes, 1 or more, and that file. Of images of 8 bits alone.
+[[nodiscard]] hmesh::Result fit_bytes(const ImageFile& image, const MeshingOptions& options,
+                                      const hmesh::ParallelFor& parallel_for, std::vector<unsigned char>& file);
 
 // Drops the faces of a mesh made with these options that show nothing, those of at most options.transparent.
 hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,

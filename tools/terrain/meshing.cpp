@@ -17,16 +17,17 @@ hmesh::Bounded::Effort bounded_effort(Effort effort) {
 
 }  // namespace
 
-hmesh::Result mesh_within(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
+hmesh::Result mesh_within(const Arguments& arguments, const Window& window, const Within& within, hmesh::Progress progress,
                           const hmesh::ParallelFor& parallel_for) {
     hmesh::Options options;
     options.samples = hmesh::Samples::points;
     options.nan_is_no_data = true;
     options.progress = progress;
     hmesh::Bounded recipe;
-    recipe.max_error = bound;
-    recipe.effort = bounded_effort(arguments.effort);
+    recipe.max_error = within.bound;
+    recipe.effort = bounded_effort(within.effort);
     recipe.free_borders = arguments.has_free_borders;
+    recipe.border_error = within.border_bound;
     return hmesh::mesh_image(window.tile(), options, recipe, parallel_for);
 }
 

@@ -10,9 +10,16 @@
 
 namespace terrain {
 
-// As few triangles as the effort finds within the bound, in heights of the file.
-[[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, double bound, hmesh::Progress progress,
-                                        const hmesh::ParallelFor& parallel_for);
+// A bound, in heights of the file, and how much is done for having few triangles.
+struct Within {
+    double bound;
+    double border_bound;  // along the tile's sides: less, or for nothing
+    Effort effort;
+};
+
+// As few triangles as the effort finds within the bound.
+[[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, const Within& within,
+                                        hmesh::Progress progress, const hmesh::ParallelFor& parallel_for);
 
 // The least squared error with as many vertices as the arguments say, of a window whose samples all have data.
 [[nodiscard]] hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& window, hmesh::Progress progress,

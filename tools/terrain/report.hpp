@@ -28,7 +28,7 @@ struct TileEnd {
     double max_error = 0, sum_of_squares = 0;  // of the file, as it was measured
     std::size_t measured = 0;                  // samples that were
     double asked = 0;                          // the bound that the mesh was made with, so much less than the one asked for
-    bool is_tighter = false;                   // than that of its neighbours
+    bool is_tighter = false;                   // than that of its neighbours' borders
     double seconds = 0;
 };
 

@@ -14,9 +14,31 @@
 namespace terrain {
 namespace {
 
-// Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the share that all
-// tiles have in common, whose borders follow from it, then less where that was not enough.
-constexpr std::array<double, 6> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6};
+// Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the most, then less
+// where that was not enough.
+constexpr std::array<double, 7> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6, 0.4};
+
+// And of its borders, which all tiles have in common whatever their insides need. Local metres are floats, and the first share is
+// enough for all but bounds that hardly are; 15 bits take more, and shares down to this one leave borders as they are.
+constexpr double share_of_borders = 0.999, share_of_borders_of_globe = 0.8;
+
+struct Attempt {
+    double share;
+    Effort effort;
+};
+
+// What is tried until a file keeps the bound. Faces of `best` may be steep where no sample is, and there rounding a place is an
+// error of heights that no tighter bound makes smaller: of 15 bits it takes `normal` at last, whose borders are the same.
+std::vector<Attempt> attempts(Effort effort, bool is_globe) {
+    std::vector<Attempt> all;
+    if (is_globe && effort == Effort::best) {
+        for (const double share : shares)
+            if (share >= share_of_borders_of_globe) all.push_back({share, effort});
+        effort = Effort::normal;
+    }
+    for (const double share : shares) all.push_back({share, effort});
+    return all;
+}
 
 // How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
 // step of 15 bits, either way with as much again.
@@ -86,11 +108,13 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
         return "'" + tile.file + "' cannot keep --max-error " + std::to_string(wanted) +
                ": the 15 bits of its heights are off by up to " + std::to_string(step);
     Measured found;
-    for (const double share : shares) {
+    const double of_borders = is_globe ? share_of_borders_of_globe : share_of_borders;
+    for (const Attempt& attempt : attempts(arguments_.effort, is_globe)) {
         if (tool::interrupted) return "interrupted; '" + tile.file + "' is not written";
-        end.asked = share * (wanted - step);
-        end.is_tighter = share < shares.front();
-        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, end.asked, progress, parallel_for)
+        const Within within{attempt.share * (wanted - step), of_borders * (wanted - step), attempt.effort};
+        end.asked = within.bound;
+        end.is_tighter = attempt.share < of_borders;
+        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, within, progress, parallel_for)
                                                           : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
             return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +

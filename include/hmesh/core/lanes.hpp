@@ -118,6 +118,25 @@ struct Lanes {
     }
     /// Writes N numbers to memory, which need not be aligned.
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
+    /// Writes N integers to memory, which need not be aligned: the lanes, whole numbers that 32 bits hold.
+    HMESH_ALWAYS_INLINE void store(std::int32_t* to) const {
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
+            each([&](std::size_t k) {
+                Ints ints;
+#if defined(__AVX__) && !defined(__clang__)
+                if constexpr (width == 4) ints = __builtin_ia32_cvttpd2dq256(block[k]);  // GCC 12 makes four instructions of:
+                else
+#endif
+                    ints = __builtin_convertvector(block[k], Ints);
+                std::memcpy(to + width * k, &ints, sizeof ints);
+            });
+            return;
+        }
+#endif
+        for (int i = 0; i < N; ++i) to[i] = static_cast<std::int32_t>((*this)[i]);
+    }
 
     /// Adds lane by lane.
     HMESH_ALWAYS_INLINE Lanes& operator+=(const Lanes& o) {

@@ -227,26 +227,35 @@ class MomentTable {
 
     template <class N>
     void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) {
-        N sums[band][numbers] = {};
+        struct Half {
+            Lanes<lanes> of_samples, by_column;  // the halves of an entry; of whole numbers exact
+        };
+        Half sums[band];
+        for (Half& of_row : sums) of_row.of_samples = of_row.by_column = Lanes<lanes>::zero();
+        // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
+        double added[chunk][numbers] = {};
+        for (auto& of_pixel : added) of_pixel[C] = 1;
         for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
-            N sum[numbers];  // of its own, which no entry can be
-            std::memcpy(sum, sums[y - begin], sizeof sum);
-            N* entry = entries + offset(x0, y);
-            for (int x = x0;; ++x, pixel += C) {
-                std::memcpy(entry, sum, sizeof sum);
-                if (x == x0 + count) break;
-                entry += step_after(x);
-                N square = 0;
+            for (int i = 0; i < count; ++i, pixel += C) {
+                double square = 0;
                 for (int c = 0; c < C; ++c) {
-                    const N value = static_cast<N>(pixel[c]);
-                    sum[c] += value;
-                    sum[lanes + c] += static_cast<N>(x) * value;
-                    square += value * value;
+                    added[i][c] = pixel[c];
+                    added[i][lanes + c] = (x0 + i) * pixel[c];
+                    square += pixel[c] * pixel[c];
                 }
-                sum[C] += 1;
-                sum[lanes + C] += square;
+                added[i][lanes + C] = square;
             }
-            std::memcpy(sums[y - begin], sum, sizeof sum);
+            Half sum = sums[y - begin];
+            N* entry = entries + offset(x0, y);
+            for (int i = 0;; ++i) {
+                sum.of_samples.store(entry);
+                sum.by_column.store(entry + lanes);
+                if (i == count) break;
+                entry += step_after(x0 + i);
+                sum.of_samples += Lanes<lanes>::load(added[i]);
+                sum.by_column += Lanes<lanes>::load(added[i] + lanes);
+            }
+            sums[y - begin] = sum;
         });
     }
 

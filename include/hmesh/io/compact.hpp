@@ -111,6 +111,9 @@ namespace detail {
     return value;
 }
 
+/// What write_compact() says of a vertex that cannot be moved to the lattice.
+inline constexpr const char* lattice_has_no_site = "the lattice is too coarse for the mesh: it has no site for vertex";
+
 /// A mesh on its way to a compact file: what it is, before a bit is coded.
 class CompactWriter {
   public:
@@ -238,9 +241,7 @@ class CompactWriter {
         std::vector<std::size_t> left(places_.size()), still;
         std::iota(left.begin(), left.end(), std::size_t{0});
         for (std::int64_t reach = 1; !left.empty(); reach *= 2) {
-            if (reach > 8)
-                return {Errc::invalid_argument, "the lattice is too coarse for the mesh: it has no site for vertex",
-                        static_cast<std::int64_t>(left[0]), head_.step};
+            if (reach > 8) return {Errc::invalid_argument, lattice_has_no_site, static_cast<std::int64_t>(left[0]), head_.step};
             still.clear();
             for (const std::size_t v : left) {
                 const GridPoint from = places_[v];

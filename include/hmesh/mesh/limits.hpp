@@ -23,10 +23,11 @@ struct MeshLimits {
     /// Weight of a vertex's current colour in the choice of a new one, in pixels, in [1e-9, 1]. It determines the colours of
     /// corners whose faces hold no pixel.
     double ridge = 1e-3;
-    /// Step of the grid to which vertices move, in px: a power of two in [1/256, 1/4]. 1/256 px is what GPUs tell apart. A
+    /// Step of the grid to which vertices move, in px: a power of two in [1/256, 16]. 1/256 px is what GPUs tell apart. A
     /// coarser one is for files and buffers that keep fewer bits of a position: the mesh is fitted to what they hold. Down to
     /// 1/16 px that costs a photograph nothing measurable, down to 1/32 px a drawing of panels; rounding afterwards would cost
-    /// the latter 1 to 10 dB, since faces turn over.
+    /// the latter 1 to 10 dB, since faces turn over. Above 1/4 px, where vertices are but few steps apart, some find no
+    /// place and stay off that grid, on the one of 1/256 px.
     double position_step = 1.0 / 256;
 };
 
@@ -37,7 +38,7 @@ struct MeshLimits {
                            {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},
                            {"limits.color_overshoot must be in [0, 100] ranges", limits.color_overshoot, 0, 100},
                            {"limits.ridge must be in [1e-9, 1] pixels", limits.ridge, 1e-9, 1},
-                           {"limits.position_step must be in [1/256, 1/4] px", limits.position_step, 1.0 / 256, 0.25}});
+                           {"limits.position_step must be in [1/256, 16] px", limits.position_step, 1.0 / 256, 16}});
     double step = 1.0 / 256;
     while (step < limits.position_step) step *= 2;
     if (ranges && step != limits.position_step)

@@ -254,6 +254,7 @@ def test_a_callback_ends_the_work():
 def test_interrupts_end_the_work():
     code = (
         "import hmesh, numpy as np, os, signal, threading\n"
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"  # shells ignore it for what runs in the background
         "image = np.random.default_rng(1).integers(0, 256, (1500, 1500, 3), np.uint8)\n"
         "threading.Timer(0.5, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
         "try:\n"

@@ -109,6 +109,17 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
                                 out.target = "--psnr " + text;
                                 return why;
                             });
+    CLI::Option* bytes = add(app, "--bytes", "N",
+                             "a .hmc file of at most N bytes: vertices, their places and colours as coarse as that takes;\n"
+                             "other files hold the same mesh",
+                             [&](const std::string& text) {
+                                 std::int64_t count = 0;
+                                 std::string why = parse_integer(text, count);
+                                 if (why.empty() && (count < 1 || count > 1000000000)) why = "must be 1 to 1000000000";
+                                 out.meshing.bytes = static_cast<std::size_t>(std::max<std::int64_t>(0, count));
+                                 out.target = "--bytes " + text;
+                                 return why;
+                             });
     // Called after those above, whatever their order is on the command line: options are, as they were added.
     add(app, "--max-vertices", "N",
         "at most N vertices, and fewer where these are good enough; with --psnr, where N do not reach\n"
@@ -138,6 +149,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         ->excludes(psnr);
     rate->excludes(vertices);
     psnr->excludes(vertices)->excludes(rate);
+    bytes->excludes(vertices)->excludes(rate)->excludes(psnr);
 }
 
 void add_meshing_options(CLI::App& app, Arguments& out) {
@@ -297,6 +309,7 @@ constexpr Note notes[] = {
      "  hmesh icon.png -o icon.glb --sprite --max-vertices 500\n"
      "  hmesh icon.png -o icon.obj --outline --max-vertices 24\n"
      "  hmesh photo.jpg -o photo.hmc && hmesh photo.hmc --render photo.png --render-scale 2\n"
+     "  hmesh photo.jpg -o photo.hmc --bytes 300 --effort fine\n"
      "  convert photo.gif png:- | hmesh - -o - --format pdf > mesh.pdf"},
     {"Exit status", "0 done, 1 failed, 2 wrong usage."}};
 
@@ -446,36 +459,23 @@ std::string find_rectangle_conflict(const CLI::App& app, const Arguments& argume
     return {};
 }
 
+// What is wrong with a number of bytes, for which the mesh is made otherwise.
+std::string find_byte_conflict(const CLI::App& app, const Arguments& arguments) {
+    for (const char* option : {"--max-vertices", "--good-enough", "--method", "--colors", "--fit-space", "--periodic",
+                               "--samples", "--weights", "--with", "--channel-weights", "--lods", "--sprite", "--outline",
+                               "--keep-partial", "--grid", "--out-of-core", "--border-tolerance", "--straight-border"})
+        if (app.count(option) != 0) return std::string(option) + " means nothing to --bytes, which makes a small .hmc file";
+    return has_output(arguments, ".hmc") ? "" : "--bytes is given without an output that ends in .hmc";
+}
+
 // An option that makes a mesh, or compares it with an image.
 std::string find_option_of_images(const CLI::App& app) {
-    for (const char* option : {"--vertices",
-                               "--rate",
-                               "--psnr",
-                               "--max-vertices",
-                               "--good-enough",
-                               "--effort",
-                               "--method",
-                               "--colors",
-                               "--fit-space",
-                               "--periodic",
-                               "--premultiplied",
-                               "--samples",
-                               "--border-tolerance",
-                               "--weights",
-                               "--with",
-                               "--grid",
-                               "--seed",
-                               "--channel-weights",
-                               "--tile",
-                               "--lods",
-                               "--sprite",
-                               "--outline",
-                               "--residual",
-                               "--strip",
-                               "--straight-border",
-                               "--report",
-                               "--json",
-                               "--keep-partial"})
+    for (const char* option :
+         {"--vertices",    "--rate",    "--psnr",      "--bytes",    "--max-vertices",    "--good-enough", "--effort",
+          "--method",      "--colors",  "--fit-space", "--periodic", "--premultiplied",   "--samples",     "--border-tolerance",
+          "--weights",     "--with",    "--grid",      "--seed",     "--channel-weights", "--tile",        "--lods",
+          "--sprite",      "--outline", "--residual",  "--strip",    "--straight-border", "--report",      "--json",
+          "--keep-partial"})
         if (app.count(option) != 0) return option;
     return {};
 }
@@ -537,6 +537,8 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (!arguments.outline && !arguments.outline_options.holes) return "--no-holes is given without --outline";
     if (arguments.out_of_core)
         if (std::string why = find_rectangle_conflict(app, arguments); !why.empty()) return why;
+    if (arguments.meshing.bytes > 0)
+        if (std::string why = find_byte_conflict(app, arguments); !why.empty()) return why;
     if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
     return find_conflict(arguments.meshing);
 }

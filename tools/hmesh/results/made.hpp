@@ -25,6 +25,7 @@ struct Made {
     std::vector<Map> maps;             // measured, where there are several
     std::vector<WrittenPsnr> written;  // of the files that hold the finest level
     double seconds = 0;                // of wall-clock time, for all levels
+    std::vector<unsigned char> file;   // that .hmc is to be, with --bytes
 
     [[nodiscard]] const Level& finest() const noexcept { return levels.front(); }
 };

@@ -109,6 +109,8 @@ std::string write_meshes(const Arguments& arguments, const ImageFile& image, con
             if (wanted.ending == ".html") page = make_web_page(arguments, image, bytes, made.levels[k].outcome.report);
             options.html = page.options();
             const std::string why = write_file(k == 0 ? wanted.name : wanted.coarser[k - 1], [&](OutputFile& file) {
+                if (!made.file.empty() && wanted.ending == ".hmc")
+                    return file(made.file.data(), made.file.size()) ? std::string() : file.error();
                 const hmesh::Status status =
                     holds_all ? write_glb_levels(levels, options, file) : write_mesh(levels[k], wanted.ending, options, file);
                 return status ? std::string() : in_words(status);

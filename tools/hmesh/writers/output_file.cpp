@@ -36,10 +36,10 @@ bool is_ours(int file, const std::string& name) {
 // writes it now. Who writes holds the file's lock, which ends with the program, however it ends.
 std::FILE* open_part(const std::string& name) {
     int file = ::open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0666);
-    const bool is_new = file >= 0;
-    if (!is_new && errno == EEXIST) file = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
+    const bool is_new = file >= 0, is_taken = !is_new && errno == EEXIST;
+    if (is_taken) file = ::open(name.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW);
     if (file < 0) {
-        if (errno == ENOENT || errno == ELOOP || errno == EACCES) errno = is_new ? errno : EEXIST;
+        if (is_taken && (errno == ENOENT || errno == ELOOP || errno == EACCES)) errno = EEXIST;
         return nullptr;
     }
     const bool is_locked = ::flock(file, LOCK_EX | LOCK_NB) == 0;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
@@ -26,15 +27,17 @@ inline constexpr int max_bounded_channels = 4;
 
 /// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
 struct HeightField {
-    int width = 0,                       ///< samples in a row
-        height = 0,                      ///< rows
-        channels = 1;                    ///< 1 to 4
-    Samples samples = Samples::squares;  ///< where samples stand
-    double slack = 0;                    ///< largest |float - sample|
-    double largest = 0;                  ///< largest |sample| with data
-    int bad_row = -1;                    ///< a row with a sample that has data and is no finite float; or -1
-    Array<float> values;                 ///< plane after plane, rows packed, some floats more at the end; 0 without data
-    Array<std::uint8_t> data;            ///< 1 for samples with data; empty: all
+    int width = 0,                            ///< samples in a row
+        height = 0,                           ///< rows
+        channels = 1;                         ///< 1 to 4
+    Samples samples = Samples::squares;       ///< where samples stand
+    double slack = 0;                         ///< largest |float - sample|
+    double largest = 0;                       ///< largest |sample| with data
+    float lowest[max_bounded_channels] = {},  ///< of each channel the lowest sample with data, as float; 0 without any
+        highest[max_bounded_channels] = {};   ///< and the highest
+    int bad_row = -1;                         ///< a row with a sample that has data and is no finite float; or -1
+    Array<float> values;                      ///< plane after plane, rows packed, some floats more at the end; 0 without data
+    Array<std::uint8_t> data;                 ///< 1 for samples with data; empty: all
 
     /// 1/2 for squares, 0 for points.
     [[nodiscard]] double offset() const noexcept { return samples == Samples::squares ? 0.5 : 0.0; }
@@ -73,6 +76,7 @@ template <class T, int C>
 [[nodiscard]] HeightField height_field(const ImageView<T, C>& view, Samples samples, const ImageView<std::uint8_t, 1>& mask,
                                        bool nan_is_no_data, const ParallelFor& parallel_for) {
     static_assert(C <= max_bounded_channels, "a bounded mesh has 1 to 4 channels");
+    constexpr float huge = std::numeric_limits<float>::max();
     HeightField field;
     field.width = view.width;
     field.height = view.height;
@@ -83,6 +87,7 @@ template <class T, int C>
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
     Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<float> lowest(rows * C, huge), highest(rows * C, -huge);
     Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j) {
@@ -107,6 +112,8 @@ template <class T, int C>
                     }
                     slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
                     largest[j] = std::max(largest[j], std::abs(value[c]));
+                    lowest[j * C + c] = std::min(lowest[j * C + c], rounded);
+                    highest[j * C + c] = std::max(highest[j * C + c], rounded);
                 }
             }
         }
@@ -119,6 +126,14 @@ template <class T, int C>
         if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
     }
     if (!has_holes) field.data = {};
+    for (std::size_t c = 0; c < C; ++c) {
+        float low = huge, high = -huge;
+        for (std::size_t j = 0; j < rows; ++j) {
+            low = std::min(low, lowest[j * C + c]);
+            high = std::max(high, highest[j * C + c]);
+        }
+        if (low <= high) field.lowest[c] = low, field.highest[c] = high;
+    }
     return field;
 }
 

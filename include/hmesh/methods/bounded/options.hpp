@@ -6,6 +6,7 @@
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
+#include <limits>
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
@@ -31,12 +32,18 @@ struct Bounded {
     /// samples along the side, the bound and the effort alone: meshes of two tiles that share this row have the same border
     /// vertices and heights, to the last bit. Free borders take 1 % fewer triangles at 10,000, 10 % at 500.
     bool free_borders = false;
+    /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
+    /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
+    /// smallest of these.
+    double border_error = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
     if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
+    if (!(recipe.border_error >= 0))
+        return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
     return {};

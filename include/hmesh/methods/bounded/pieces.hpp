@@ -141,7 +141,11 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        Sheet sheet = first_sheet(*field_, rect, limit_, recipe_.effort >= Bounded::Effort::normal);
+        // limit_ is less than the bound by what the largest sample of all costs, which a neighbour does not know: sides, which
+        // keep to a millionth less, need none of that where it is less.
+        double side = recipe_.max_error * (1 - 1e-6) < limit_ ? recipe_.max_error : limit_;
+        if (!recipe_.free_borders) side = std::min(side, recipe_.border_error);
+        Sheet sheet = first_sheet(*field_, rect, side, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;

@@ -32,7 +32,8 @@ class BoundedRelaxation {
   public:
     /// Works on this mesh, which must outlive it.
     BoundedRelaxation(BoundedMesh& mesh, const Moves& moves)
-        : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_), then_(*mesh.field, per_unit_) {}
+        : mesh_(&mesh), moves_(moves), per_unit_(1 / unit(mesh)), now_(*mesh.field, per_unit_, mesh.limit),
+          then_(*mesh.field, per_unit_, mesh.limit) {}
 
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
     /// what they can.

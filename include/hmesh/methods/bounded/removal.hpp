@@ -33,7 +33,7 @@ class BoundedRemoval {
   public:
     /// Works on this mesh, which must outlive it, with what the relaxation may do.
     BoundedRemoval(BoundedMesh& mesh, BoundedRelaxation& relaxation, const Moves& moves)
-        : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit()) {}
+        : mesh_(&mesh), relaxation_(&relaxation), moves_(moves), star_(*mesh.field, relaxation.per_unit(), mesh.limit) {}
 
     /// One pass over the vertices whose surroundings have changed since they were tried. Returns how many left.
     HMESH_COLD std::size_t pass(const Array<Vertex>& vertices) {

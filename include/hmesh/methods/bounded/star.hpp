@@ -139,8 +139,8 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
 /// The samples of faces around a vertex, the apex, as a linear function of its heights.
 class Star {
   public:
-    /// Units of 1 / `per_unit`, in which all that follows is told.
-    Star(const HeightField& field, double per_unit) : field_(&field), per_unit_(per_unit) {}
+    /// Units of 1 / `per_unit`, in which all that follows is told. `limit`: how far corners may be out of all samples' range.
+    Star(const HeightField& field, double per_unit, double limit) : field_(&field), per_unit_(per_unit), limit_(limit) {}
 
     /// Begins anew, with the apex at `place`; heights are told relative to `apex`'s.
     void begin(const Corner& apex, Point place) noexcept {
@@ -242,12 +242,18 @@ class Star {
         return true;
     }
 
-    /// The corner with the apex at these heights, rounded to finite floats.
+    /// The corner with the apex at these heights, rounded to finite floats. Between samples a steep face may rise to any height,
+    /// and what holds the mesh, such as numbers of 15 bits, has an end: so no corner is farther out of the samples' range than
+    /// samples may be.
     [[nodiscard]] Corner apex(const double* heights) const noexcept {
         Corner corner;
         corner.position = place_;
-        for (int c = 0; c < field_->channels; ++c)
-            corner.heights[c] = PixelTraits<float>::from_real(static_cast<double>(base_.heights[c]) + heights[c] / per_unit_);
+        for (int c = 0; c < field_->channels; ++c) {
+            const double low = static_cast<double>(field_->lowest[c]) - limit_,
+                         high = static_cast<double>(field_->highest[c]) + limit_;
+            const double height = static_cast<double>(base_.heights[c]) + heights[c] / per_unit_;
+            corner.heights[c] = PixelTraits<float>::from_real(std::max(low, std::min(high, height)));
+        }
         return corner;
     }
 
@@ -335,7 +341,7 @@ class Star {
     }
 
     const HeightField* field_;
-    double per_unit_;
+    double per_unit_, limit_;
     Corner base_;
     Point place_;
     Array<StarFace> faces_;

@@ -1,0 +1,215 @@
+#include "hmesh/rate/compact_image.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "hmesh/core/random.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/image/premultiply.hpp"
+#include "hmesh/io/compact.hpp"
+#include "hmesh/methods/annealed/options.hpp"
+#include "hmesh/render.hpp"
+#include "mesh_flaws.hpp"
+#include "test_executors.hpp"
+#include "test_images.hpp"
+
+using hmesh::CompactImage;
+using hmesh::CompactImageOptions;
+using hmesh::Errc;
+
+namespace {
+
+hmesh::Annealed quick() {
+    hmesh::Annealed recipe;
+    recipe.effort = hmesh::Effort::draft;
+    return recipe;
+}
+CompactImageOptions bytes(std::size_t count, bool bare = false) {
+    CompactImageOptions options;
+    options.bytes = count;
+    options.bare = bare;
+    return options;
+}
+hmesh::CompactMesh read(const CompactImage& image, bool bare) {
+    return bare ? hmesh::read_bare_compact(image.bytes.data(), image.bytes.size())
+                : hmesh::read_compact(image.bytes.data(), image.bytes.size());
+}
+
+// That the file holds the mesh, and is as near to the image as is said.
+template <class T, int C>
+void prove(const hmesh::ImageView<T, C>& view, const CompactImageOptions& options, const CompactImage& out) {
+    REQUIRE(out.status);
+    CHECK(out.bytes.size() <= options.bytes);
+    const hmesh::CompactMesh back = read(out, options.bare);
+    REQUIRE(back.status);
+    CHECK(back.mesh.positions == out.mesh.positions);
+    CHECK(back.mesh.colors == out.mesh.colors);
+    CHECK(back.mesh.premultiplied == options.premultiplied);
+    if (!options.bare) CHECK((back.mesh.width == view.width && back.mesh.height == view.height));
+    // Drawn from the bytes, at 8 bits.
+    hmesh::RenderOptions size;
+    size.width = view.width;
+    size.height = view.height;
+    const auto drawn = hmesh::render<C>(back.mesh.view(), size);
+    REQUIRE(drawn.status);
+    double energy = 0;
+    for (int y = 0; y < view.height; ++y)
+        for (int x = 0; x < view.width; ++x)
+            for (int k = 0; k < C; ++k) {
+                const double share = std::min(std::max(static_cast<double>(drawn.image.pixel(x, y)[k]) / 255, 0.0), 1.0);
+                const double off = share - hmesh::PixelTraits<T>::to_real(view.pixel(x, y)[k]) / hmesh::PixelTraits<T>::peak;
+                energy += off * off;
+            }
+    const double psnr = -10 * std::log10(energy / (static_cast<double>(view.width) * view.height * C));
+    if (std::isfinite(out.psnr)) CHECK(psnr == doctest::Approx(out.psnr).epsilon(0.002));
+}
+
+}  // namespace
+
+TEST_CASE("an image fits into the bytes that it is given, and uses them, the better the more there are") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(150, 90, 1);
+    for (const bool bare : {false, true}) {
+        double before = 0;
+        for (const std::size_t budget : {100U, 200U, 400U, 800U}) {
+            CAPTURE(budget);
+            const CompactImage out = compact_image(image.view(), bytes(budget, bare), quick());
+            prove(image.view(), bytes(budget, bare), out);
+            CHECK(static_cast<double>(out.bytes.size()) >= 0.98 * static_cast<double>(budget));
+            CHECK(out.psnr > before);
+            before = out.psnr;
+        }
+    }
+}
+
+TEST_CASE("too few bytes are refused, with those that are needed") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 30, 1);
+    for (const bool bare : {false, true}) {
+        const CompactImage out = compact_image(image.view(), bytes(5, bare), quick());
+        CHECK(out.status.code == Errc::target_out_of_range);
+        CHECK(out.status.limit == 5);
+        CHECK(out.bytes.empty());
+        CHECK(out.mesh.faces.empty());
+        const auto least = static_cast<std::size_t>(out.status.value);
+        CHECK(least < 40);
+        const CompactImage fits = compact_image(image.view(), bytes(least, bare), quick());
+        prove(image.view(), bytes(least, bare), fits);
+        CHECK(!compact_image(image.view(), bytes(least - 1, bare), quick()).status);
+    }
+    CHECK(compact_image(hmesh::ImageView<std::uint8_t, 3>{}).status.code == Errc::invalid_argument);
+}
+
+TEST_CASE("images of all sizes and kinds of samples fit") {
+    hmesh::kit::Random random(1);
+    for (int round = 0; round < 16; ++round) {
+        const int width = 1 + static_cast<int>(random.below(round < 8 ? 4 : 70)), height = 1 + static_cast<int>(random.below(50));
+        CAPTURE(width);
+        CAPTURE(height);
+        const CompactImageOptions options = bytes(60 + random.below(300), round % 2 == 0);
+        const auto grey = hmesh_test::scene<std::uint8_t, 1>(width, height, 2);
+        prove(grey.view(), options, compact_image(grey.view(), options, quick()));
+        const auto deep = hmesh_test::scene<std::uint16_t, 3>(width, height, 3);
+        prove(deep.view(), options, compact_image(deep.view(), options, quick()));
+        const auto real = hmesh_test::scene<float, 3>(width, height, 4);
+        prove(real.view(), options, compact_image(real.view(), options, quick()));
+        const auto sprite = hmesh_test::scene<std::uint8_t, 4>(width, height, 5);
+        CompactImageOptions times_alpha = options;
+        times_alpha.premultiplied = true;
+        const auto product = hmesh::kit::premultiply(sprite.view());
+        prove(product.view(), times_alpha, compact_image(sprite.view(), times_alpha, quick()));
+    }
+}
+
+TEST_CASE("an image of one colour takes no more bytes than that") {
+    const std::vector<std::uint8_t> pixels(std::size_t{3} * 64 * 64, 77);
+    const hmesh::ImageView<std::uint8_t, 3> view{pixels.data(), 64, 64};
+    const CompactImage out = compact_image(view, bytes(1000), quick());
+    prove(view, bytes(1000), out);
+    CHECK(out.bytes.size() < 50);
+    CHECK(out.psnr > 55);
+}
+
+TEST_CASE("the same bytes for any executor") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(200, 120, 1);
+    const CompactImage alone = compact_image(image.view(), bytes(300));
+    CHECK(compact_image(image.view(), bytes(300), {}, hmesh_test::ReverseFor()).bytes == alone.bytes);
+    CHECK(compact_image(image.view(), bytes(300), {}, hmesh_test::ThreadFor{3}).bytes == alone.bytes);
+}
+
+TEST_CASE("progress never falls and ends at 1; what is cancelled gives no bytes") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 80, 1);
+    CompactImageOptions options = bytes(200);
+    double last = 0;
+    int calls = 0, most = -1;
+    bool has_fallen = false;
+    const auto progress = [&](const hmesh::ProgressInfo& info) {
+        has_fallen = has_fallen || info.total < last;
+        last = info.total;
+        return ++calls != most;
+    };
+    options.progress = progress;
+    CHECK(compact_image(image.view(), options, quick()).status);
+    CHECK(!has_fallen);
+    CHECK(last == 1);
+    const int all = calls;
+    for (most = 1; most < all; most += 1 + all / 7) {
+        calls = 0;
+        last = 0;
+        const CompactImage out = compact_image(image.view(), options, quick());
+        CHECK(out.status.code == Errc::cancelled);
+        CHECK(out.bytes.empty());
+    }
+}
+
+TEST_CASE("NaN is refused") {
+    std::vector<float> pixels(64, 0.5F);
+    pixels[9] = std::numeric_limits<float>::quiet_NaN();
+    const hmesh::ImageView<float, 1> view{pixels.data(), 8, 8};
+    CHECK(compact_image(view, bytes(100), quick()).status.code == Errc::not_finite);
+}
+
+TEST_CASE("vertices are removed where others' triangles can take their place, and corners never") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 40, 1);
+    hmesh::Options options;
+    options.target = hmesh::Target::vertices(120);
+    hmesh::Mesh mesh = mesh_image(image.view(), options, quick()).mesh;
+    hmesh::kit::Random random(3);
+    std::size_t refused = 0;
+    while (mesh.vertex_count() > 8 && refused < 1000) {
+        const auto v = static_cast<std::uint32_t>(random.below(mesh.vertex_count()));
+        const float x = mesh.positions[2 * v], y = mesh.positions[2 * v + 1];
+        const bool is_corner = (x == 0 || x == 60) && (y == 0 || y == 40);
+        const hmesh::Mesh before = mesh;
+        if (!hmesh::detail::remove_vertex(mesh, v)) {
+            ++refused;
+            REQUIRE(mesh.faces == before.faces);
+            REQUIRE(mesh.positions == before.positions);
+            continue;
+        }
+        REQUIRE(!is_corner);
+        REQUIRE(mesh.vertex_count() + 1 == before.vertex_count());
+        REQUIRE(mesh.colors.size() == 3 * mesh.vertex_count());
+        REQUIRE(hmesh_test::flaw_of(mesh.view(), 60, 40).empty());
+    }
+    CHECK(mesh.vertex_count() < 40);
+}
+
+TEST_CASE("shrunk pixels are the means of what they cover, also at the image's end") {
+    const std::vector<std::uint8_t> pixels = {0, 30, 60, 90, 120, 150};
+    const hmesh::ImageView<std::uint8_t, 1> view{pixels.data(), 3, 2};
+    const auto one = hmesh::detail::shrunk(view, 1, 1, 3.0, 2.0, {});
+    CHECK(one.data()[0] == 75);
+    const auto two = hmesh::detail::shrunk(view, 2, 1, 1.5, 2.0, {});
+    CHECK(two.data()[0] == 55);  // (0 + 30 / 2 + 90 + 120 / 2) / 3
+    CHECK(two.data()[1] == 95);
+    const auto end = hmesh::detail::shrunk(view, 2, 1, 2.0, 2.0, {});
+    CHECK(end.data()[0] == 60);
+    CHECK(end.data()[1] == 105);
+    const auto same = hmesh::detail::shrunk(view, 3, 2, 1.0, 1.0, {});
+    CHECK(std::vector<std::uint8_t>(same.data(), same.data() + 6) == pixels);
+}
