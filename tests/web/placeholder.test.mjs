@@ -61,6 +61,7 @@ function* manyFiles() {
       }
 }
 const files = [...manyFiles()];
+for (const bytes of [300, 1000]) files.push([encode(hmesh, picture(200, 128), { bytes }), `200 x 128 in ${bytes} bytes`]);
 
 test('decode() gives the mesh that the library reads, bit for bit, from hundreds of files of the library', () => {
   assert.ok(files.length >= 300, `${files.length} files`);
@@ -147,7 +148,7 @@ const flat = (colors, channels, more = {}) => ({ positions: Float32Array.of(0, 0
   colors: Uint8Array.from(colors), channels, width: 8, height: 8, premultiplied: false, linear: false, ...more });
 
 test('toPixels() draws what the library draws, softened or not, and knows alpha and linear light', () => {
-  const mesh = decode(files.find(([, told]) => told.startsWith('40 x 30, 60'))[0]), drawn = hmesh.render(mesh, { width: 40, height: 30 }).data;
+  const mesh = decode(files.find(([, told]) => told.startsWith('40 x 30, 60') || told.startsWith('40 x 30, 12'))[0]), drawn = hmesh.render(mesh, { width: 40, height: 30 }).data;
   const here = toPixels(mesh, { pixels: 40, softness: 0 });
   assert.deepEqual([here.width, here.height], [40, 30]);
   let off = 0;
@@ -176,7 +177,7 @@ test('toDataURL() is a PNG of these pixels', () => {
 test('encode() fills the bytes and does not pass them, and what it keeps looks like the image', () => {
   const image = picture(160, 120);
   let last = Infinity;
-  for (const bytes of [48, 100, 200, 400, 2000]) {
+  for (const bytes of [48, 100, 200, 400]) {
     const made = encode(hmesh, image, { bytes });
     assert.ok(made.length <= bytes && made.length > 0.7 * Math.min(bytes, 400), `${made.length} of ${bytes}`);
     const { data } = hmesh.render(decode(made, image), image);

@@ -80,8 +80,8 @@ HMESH_EXPORT(hmesh_write_bare) const void* hmesh_write_bare(std::uint32_t lattic
     return module.reply(hmesh::write_compact(module.view(), sink, options));
 }
 
-// Reads a compact file, or one of the bare profile. A periodic mesh becomes one that covers its picture; samples that are points are
-// refused.
+// Reads a compact file, or one of the bare profile. A periodic mesh becomes one that covers its picture; samples that are points
+// are refused.
 HMESH_EXPORT(hmesh_read) const void* hmesh_read(const void* bytes, std::size_t size, int is_bare) {
     hmesh::CompactMesh read = is_bare != 0 ? hmesh::read_bare_compact(bytes, size) : hmesh::read_compact(bytes, size);
     if (read.status && read.mesh.samples == hmesh::Samples::points)

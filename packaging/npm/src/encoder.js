@@ -3,7 +3,7 @@
 // The image is shrunk until its pixels are the sites of the file's lattice, about eight between two vertices. The annealed mesh of that is moved to
 // the lattice, each vertex to the site around it that is best, and moved and flipped there while that lowers its error.
 // The number of vertices is sought that fills the bytes.
-import { Triangles, readBare } from './bare.js';
+import { MOST_POINTS, Triangles, readBare } from './bare.js';
 import { shrink } from './resample.js';
 
 const SITES = 8;  // of the lattice between two vertices, along each axis
@@ -183,36 +183,47 @@ function prepare(image, side) {
   return { data: pixels, pixels, width, height, channels };
 }
 
-function encodeWith(hmesh, image, vertices, step) {
+// The mesh of so many vertices, less those that find no site; undefined where there is none.
+function meshWith(hmesh, image, vertices) {
   const longer = Math.max(image.width, image.height), shorter = Math.min(image.width, image.height);
   const side = Math.max(2, Math.min(longer, 256, Math.round(SITES * Math.sqrt(vertices * longer / shorter))));
   const target = prepare(image, side), premultiplied = target.channels === 4;
-  const most = (target.width + 1) * (target.height + 1), wanted = Math.max(4, Math.min(vertices, most));
+  const wanted = Math.max(4, Math.min(vertices, target.width * target.height));
   const fit = new Fit(target, hmesh.meshImage(target, { vertices: wanted, premultiplied })).snapped();
   if (!fit) return undefined;
   fit.relax(FLIP_BITS * fit.error() / (16 * fit.n));  // a vertex takes some 16 bits, and its error for them
-  const bytes = hmesh.write(fit.arrays(premultiplied), 'hmc', { bare: true, colorStep: step });
-  return { bytes, error: new Fit(target, readBare(bytes)).error() / (target.width * target.height) };
+  const arrays = fit.arrays(premultiplied);
+  return {
+    write: (colorStep) => hmesh.write(arrays, 'hmc', { bare: true, colorStep }),
+    error: (bytes) => new Fit(target, readBare(bytes)).error() / (target.width * target.height),
+  };
 }
 
 // The placeholder of an image, RGBA with alpha straight, of so many bytes at most: the best that a few tries find. `hmesh` is that of hmesh/core.
 export function encode(hmesh, image, { bytes = 200 } = {}) {
   if (!(bytes >= 48 && bytes <= 2000)) throw new RangeError(`bytes must be from 48 to 2000: ${bytes}`);
-  const [scale, finest, coarsest] = COLOR_STEP, step = Math.max(finest, Math.min(coarsest, Math.round(scale / Math.sqrt(bytes)))), tried = new Set();
-  let vertices = Math.max(4, Math.round((bytes - 8) * 8 / 24)), best;
-  for (let k = 0; k < 6 && !tried.has(vertices); k++) {
-    tried.add(vertices);
-    const made = encodeWith(hmesh, image, vertices, step);
-    if (!made) {
-      vertices--;
-      continue;
+  const [scale, finest, coarsest] = COLOR_STEP, coarse = Math.max(finest, Math.min(coarsest, Math.round(scale / Math.sqrt(bytes))));
+  let least = 3, most = MOST_POINTS + 1, vertices = Math.round((bytes - 8) * 8 / 24), best;
+  for (let k = 0; k < 8 && most - least > 1; k++) {
+    vertices = Math.max(least + 1, Math.min(most - 1, vertices));
+    const mesh = meshWith(hmesh, image, vertices), full = mesh?.write(coarse);
+    if (!mesh || full.length > bytes) most = vertices;
+    else {
+      least = vertices;
+      // What is left of the bytes goes into finer colours.
+      let step = coarse, file = full;
+      for (let less = 128; less >= 1; less /= 2) {
+        if (step - less < 1) continue;
+        const finer = mesh.write(step - less);
+        if (finer.length <= bytes) [file, step] = [finer, step - less];
+      }
+      const error = mesh.error(file);
+      if (!best || error < best.error) best = { file, error };
+      if (full.length > 0.97 * bytes) break;
     }
-    const { length } = made.bytes;
-    if (length <= bytes && (!best || made.error < best.error)) best = made;
-    vertices = Math.max(4, length <= bytes ? Math.max(vertices + 1, Math.floor(vertices * (bytes - 5) / (length - 4)))
-      : Math.min(vertices - 1, Math.floor(vertices * (bytes - 6) / (length - 4))));
+    vertices = mesh ? Math.floor(vertices * (bytes - 4.5) / (full.length - 4)) : Math.floor(0.93 * vertices);
   }
-  return best?.bytes ?? encodeWith(hmesh, image, 4, coarsest).bytes;
+  return best?.file ?? meshWith(hmesh, image, 4).write(coarsest);
 }
 
 // base64url, as data-mesh has it.
