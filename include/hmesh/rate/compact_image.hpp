@@ -89,7 +89,8 @@ struct CompactReference {
         for (std::size_t k = 0; k < 3; ++k)
             if (face[k] == v) ring.push_back({face[(k + 1) % 3], face[(k + 2) % 3]});
     const auto place = [&](std::uint32_t u) {
-        return kit::Point{static_cast<double>(mesh.positions[2 * u]), static_cast<double>(mesh.positions[2 * u + 1])};
+        return kit::Point{static_cast<double>(mesh.positions[std::size_t{2} * u]),
+                          static_cast<double>(mesh.positions[std::size_t{2} * u + 1])};
     };
     const auto count = [&](std::size_t end, std::uint32_t u) {
         return std::count_if(ring.begin(), ring.end(), [&](const auto& edge) { return edge[end] == u; });
@@ -317,7 +318,7 @@ template <class T, int C>
     // 80 px a vertex are enough to judge by.
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
-    while (pixels / ((shrink + 1) * (shrink + 1)) >= enough) ++shrink;
+    while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
     const CompactReference<C> image{
         shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for),
         view.width, view.height, shrink};
