@@ -83,4 +83,4 @@ need viewers
 need_node_modules "$PWD/build/viewers"
 psnr=$PWD/build/release/bin/psnr
 [ -x "$psnr" ] || psnr=
-sh tests/web/page.sh build/web "$command" "$psnr" ${2+"file: "}  # quick: of both ways to open the page one
+sh tests/web/page.sh build/web "$command" "$psnr" ${2+"file: a photo"}  # quick: the ways in alone

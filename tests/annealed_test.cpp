@@ -48,7 +48,7 @@ TEST_CASE("every effort's recipe gives every number of vertices from 4 to one a 
                 const auto seed = static_cast<std::uint64_t>(width + 9 * height);
                 Work<std::uint8_t, 2> work(hmesh_test::noise<std::uint8_t, 2>(width, height, seed), limits);
                 const auto most = static_cast<std::size_t>(std::max(4, width * height));
-                const std::size_t step = hmesh_test::stride_if_sanitized(3);
+                const std::size_t step = hmesh_test::stride_if_sanitized(5);
                 for (std::size_t n = 4; n <= most; n = n == most ? most + 1 : std::min(n + step, most)) {
                     CAPTURE(width);
                     CAPTURE(height);
@@ -155,6 +155,7 @@ TEST_CASE("a flat part within a sharp line gives no vertex too many neighbors, s
             const auto image =
                 hmesh_test::draw<std::uint8_t, 1>(400, 300, [&](int x, int y, int) { return on_line(kind, x, y) ? 0.9 : 0.1; });
             for (const std::size_t n : {60U, 300U, 700U}) {
+                if (hmesh_test::sanitized && n != 300) continue;
                 CAPTURE(kind);
                 CAPTURE(n);
                 Work<std::uint8_t, 1> work(image);

@@ -73,10 +73,10 @@ void prove(const hmesh::ImageView<T, C>& view, const CompactImageOptions& option
 }  // namespace
 
 TEST_CASE("an image fits into the bytes that it is given, and uses them, the better the more there are") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(150, 90, 1);
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 60, 1);
     for (const bool bare : {false, true}) {
         double before = 0;
-        for (const std::size_t budget : {100U, 200U, 400U, 800U}) {
+        for (const std::size_t budget : {80U, 160U, 320U}) {
             CAPTURE(budget);
             const CompactImage out = compact_image(image.view(), bytes(budget, bare), quick());
             prove(image.view(), bytes(budget, bare), out);
@@ -106,8 +106,8 @@ TEST_CASE("too few bytes are refused, with those that are needed") {
 
 TEST_CASE("images of all sizes and kinds of samples fit") {
     hmesh::kit::Random random(1);
-    for (int round = 0; round < 16; ++round) {
-        const int width = 1 + static_cast<int>(random.below(round < 8 ? 4 : 70)), height = 1 + static_cast<int>(random.below(50));
+    for (int round = 0; round < 6; ++round) {
+        const int width = 1 + static_cast<int>(random.below(round < 4 ? 4 : 40)), height = 1 + static_cast<int>(random.below(30));
         CAPTURE(width);
         CAPTURE(height);
         const CompactImageOptions options = bytes(60 + random.below(300), round % 2 == 0);
@@ -135,15 +135,15 @@ TEST_CASE("an image of one colour takes no more bytes than that") {
 }
 
 TEST_CASE("the same bytes for any executor") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(200, 120, 1);
-    const CompactImage alone = compact_image(image.view(), bytes(300));
-    CHECK(compact_image(image.view(), bytes(300), {}, hmesh_test::ReverseFor()).bytes == alone.bytes);
-    CHECK(compact_image(image.view(), bytes(300), {}, hmesh_test::ThreadFor{3}).bytes == alone.bytes);
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(80, 50, 1);
+    const CompactImage alone = compact_image(image.view(), bytes(150), quick());
+    CHECK(compact_image(image.view(), bytes(150), quick(), hmesh_test::ReverseFor()).bytes == alone.bytes);
+    CHECK(compact_image(image.view(), bytes(150), quick(), hmesh_test::ThreadFor{3}).bytes == alone.bytes);
 }
 
 TEST_CASE("progress never falls and ends at 1; what is cancelled gives no bytes") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 80, 1);
-    CompactImageOptions options = bytes(200);
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(50, 40, 1);
+    CompactImageOptions options = bytes(100);
     double last = 0;
     int calls = 0, most = -1;
     bool has_fallen = false;
@@ -157,7 +157,7 @@ TEST_CASE("progress never falls and ends at 1; what is cancelled gives no bytes"
     CHECK(!has_fallen);
     CHECK(last == 1);
     const int all = calls;
-    for (most = 1; most < all; most += 1 + all / 7) {
+    for (most = 1; most < all; most += 1 + all / 4) {
         calls = 0;
         last = 0;
         const CompactImage out = compact_image(image.view(), options, quick());
