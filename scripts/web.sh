@@ -5,8 +5,8 @@
 # usage: scripts/web.sh [--serve [PORT] | --test [--quick]]
 # It installs Emscripten and Node where these are missing. With --serve it then serves the page to this machine, at port 8080
 # unless another is given. With --test it tests the package in node and Chromium, against the command where scripts/test.sh has
-# built that, then the page in Chromium, and, unless --quick, the package with vite, webpack, esbuild, deno and TypeScript, which
-# it installs into build/web/tools.
+# built that, then the page in Chromium and the package with vite, webpack, esbuild, deno and TypeScript, which it installs into
+# build/web/tools; with --quick not these, and of the page the ways in alone.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
