@@ -20,6 +20,8 @@
 #include "compact_meshes.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/compact/photographs.hpp"
+#include "hmesh/io/compact/start_table.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
 #include "test_exports.hpp"
@@ -32,6 +34,7 @@
 using hmesh::CompactColors;
 using hmesh::CompactMesh;
 using hmesh::CompactOptions;
+using hmesh::CompactTable;
 using hmesh::Errc;
 using hmesh::Mesh;
 using hmesh_test::Bytes;
@@ -44,8 +47,12 @@ Bytes compact(const Mesh& mesh, const CompactOptions& options = {}) {
     return hmesh_test::exported(
         mesh.view(), [&](const hmesh::MeshView& view, hmesh::Sink sink) { return write_compact(view, sink, options); });
 }
-CompactMesh read(const Bytes& bytes) { return hmesh::read_compact(bytes.data(), bytes.size()); }
-CompactMesh read_bare(const Bytes& bytes) { return hmesh::read_bare_compact(bytes.data(), bytes.size()); }
+CompactMesh read(const Bytes& bytes, const CompactTable* table = nullptr) {
+    return hmesh::read_compact(bytes.data(), bytes.size(), {}, table);
+}
+CompactMesh read_bare(const Bytes& bytes, const CompactTable* table = nullptr) {
+    return hmesh::read_bare_compact(bytes.data(), bytes.size(), {}, table);
+}
 
 // A status without a byte written.
 hmesh::Status refusal(const Mesh& mesh, const CompactOptions& options = {}) {
@@ -423,6 +430,66 @@ TEST_CASE("damage that checksums do not see gives a valid mesh or none") {
     CHECK(passed > 0);
 }
 
+TEST_CASE("a start table is for those who have it, and changes nothing but the bytes") {
+    for (const bool is_bare : {false, true})
+        for (const int channels : {1, 3, 4}) {
+            CAPTURE(is_bare);
+            CAPTURE(channels);
+            CompactOptions options;
+            options.bare = is_bare;
+            options.color_step = 100;
+            const Mesh mesh = random_mesh({80, 60, 256, 40, 0, 60, channels, 0}, 17);
+            const Bytes without = compact(mesh, options);
+            options.table = &hmesh::compact_photographs;
+            const Bytes with = compact(mesh, options);
+            CHECK(with != without);
+            CHECK(with[is_bare ? 0 : 5] == without[is_bare ? 0 : 5] + (is_bare ? 32 : 1));
+            const auto read_with = [&](const Bytes& bytes, const CompactTable* table) {
+                return is_bare ? read_bare(bytes, table) : read(bytes, table);
+            };
+            const CompactMesh got = read_with(with, options.table), plain = read_with(without, options.table);
+            REQUIRE(got.status);
+            REQUIRE(plain.status);
+            CHECK(got.mesh.positions == plain.mesh.positions);
+            CHECK(got.mesh.faces == plain.mesh.faces);
+            CHECK(got.mesh.colors == plain.mesh.colors);
+            const CompactMesh refused = read_with(with, nullptr);
+            CHECK(refused.status.code == Errc::invalid_argument);
+            CHECK(std::string(hmesh::message(refused.status).c_str()) ==
+                  "the compact mesh begins with a start table that its reader was not given, number (1)");
+            const CompactTable other{2, hmesh::compact_photographs.text};
+            CHECK(!read_with(with, &other).status);
+        }
+}
+
+TEST_CASE("a start table of any text is read to its end") {
+    const Mesh mesh = random_mesh({80, 60, 256, 40, 0, 60, 3, 0}, 18);
+    hmesh::kit::Random random(4);
+    std::vector<std::string> texts{"", "#", "##", "Q", "?", "#\\", "#~", "~~~~~~~~~~~~~~~~~~~~~~#~", "\n#O"};
+    for (int k = 0; k < 100; ++k) {
+        std::string text;
+        for (std::size_t size = random.below(300); size > 0; --size) text += static_cast<char>(1 + random.below(255));
+        texts.push_back(text);
+    }
+    for (const std::string& text : texts) {
+        CAPTURE(text);
+        const CompactTable table{6, text.c_str()};
+        CompactOptions options;
+        options.table = &table;
+        const CompactMesh got = read(compact(mesh, options), &table);
+        REQUIRE(got.status);
+        CHECK(got.mesh.face_count() == mesh.face_count());
+    }
+    for (const int number : {-1, 0, 7}) {
+        const CompactTable table{number, ""};
+        CompactOptions options;
+        options.table = &table;
+        CHECK(refusal(mesh, options).code == Errc::invalid_argument);
+    }
+    for (int symbol = 0; symbol < 90; ++symbol)
+        CHECK(hmesh::detail::TableText::symbol(hmesh::detail::TableText::character(symbol)) == symbol);
+}
+
 TEST_CASE("heads that this version does not write are refused") {
     const Bytes whole = compact(random_mesh({}, 6));
     const auto status = [&](std::size_t at, unsigned char value) {
@@ -433,7 +500,8 @@ TEST_CASE("heads that this version does not write are refused") {
     };
     CHECK(status(14, whole[14]));
     CHECK(!status(4, 2));                                             // another version
-    CHECK(!status(5, 1));                                             // what is reserved
+    CHECK(!status(5, 1));                                             // a start table that it did not begin with
+    CHECK(!status(5, 7));                                             // one that there cannot be
     CHECK(!status(14, static_cast<unsigned char>(whole[14] | 12U)));  // a kind of colours
     for (unsigned bit = 3; bit < 8; ++bit) CHECK(!status(15, static_cast<unsigned char>(whole[15] | 1U << bit)));
     CHECK(!status(16, 0));  // a width
@@ -448,7 +516,9 @@ TEST_CASE("compact files and what is read of them are those of yesterday") {
                                                       {"wide", {65536, 2, 1, 30, 2, 90, 2, 0}},
                                                       {"bare", {40, 30, 256, 40, 0, 60, 3, 0}},
                                                       {"coarse", {96, 64, 256, 60, 0, 60, 3, 0}},
-                                                      {"coarse_bare", {400, 300, 512, 60, 0, 60, 4, 0}}};
+                                                      {"coarse_bare", {400, 300, 512, 60, 0, 60, 4, 0}},
+                                                      {"table", {96, 64, 256, 60, 0, 60, 3, 0}},
+                                                      {"table_bare", {400, 300, 512, 60, 0, 60, 4, 0}}};
     std::uint64_t seed = 40;
     for (const auto& [name, kind] : files) {
         const std::string path = std::string(HMESH_TEST_SOURCE) + "/golden/compact/" + name;
@@ -456,6 +526,10 @@ TEST_CASE("compact files and what is read of them are those of yesterday") {
         CompactOptions options;
         options.bare = std::string(name).find("bare") != std::string::npos;
         if (std::string(name).find("coarse") == 0) options.color_step = 90;
+        if (std::string(name).find("table") == 0) {
+            options.color_step = 120;
+            options.table = &hmesh::compact_photographs;
+        }
         const Bytes written = compact(random_mesh(kind, ++seed), options);
         if (renews)
             std::ofstream(path + ".hmc", std::ios::binary)
@@ -463,7 +537,7 @@ TEST_CASE("compact files and what is read of them are those of yesterday") {
         std::ifstream file(path + ".hmc", std::ios::binary);
         const Bytes held{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
         CHECK(written == held);
-        const CompactMesh got = options.bare ? read_bare(held) : read(held);
+        const CompactMesh got = options.bare ? read_bare(held, options.table) : read(held, options.table);
         REQUIRE(got.status);
         // What it holds as whole numbers: positions in 1/256 px, then colours; then faces.
         std::ostringstream text;

@@ -1,7 +1,9 @@
 """Reads compact files as docs/compact.md describes them, and shares no line with the library: slowly, by brute force."""
+import re
 import zlib
-from itertools import combinations
+from itertools import combinations, product
 from math import isqrt
+from pathlib import Path
 
 LOGISTIC = [32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
             64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
@@ -32,6 +34,40 @@ def make_logarithms():
 
 
 LOGARITHMS = make_logarithms()
+
+
+# The tables of contexts that a start table counts through: what an index is made of, and the context of that.
+TABLES = [((48, 4, 4, 4, 4), lambda kind, *rest: (kind, 1, *rest)),
+          ((48, 8, 8, 4), lambda kind, before, after, deeper: (kind, 2, before, after, deeper + 1)),
+          ((48, 4, 4, 4, 4), lambda kind, *rest: (kind, 3, *rest)),
+          ((48, 2, 32), lambda kind, a, deeper: (kind, 4, a, deeper)),
+          ((48, 2), lambda *rest: ("inner", *rest)),
+          ((3, 16, 16), lambda phase, *rest: ("g", phase + 1, *rest)),
+          ((3, 16, 16, 16), lambda phase, *rest: ("i", phase + 1, *rest)),
+          ((3, 3, 32, 32), lambda phase, *rest: ("n", phase + 1, *rest)),
+          ((4, 20, 36), lambda c, level, k: ("s", c, k, level)),
+          ((4, 20, 36), lambda c, level, k: ("m", c, k, level)),
+          ((4, 2, 10, 36), lambda c, more, digits, k: ("o", c, k, (digits, more == 1))),
+          ((4, 20, 8, 36), lambda c, distance, count, k: ("p", c, k, (distance, count))),
+          ((4, 3, 3, 3), lambda c, one, other, _: ("sign", c, one, other)),
+          ((4, 36, 8), lambda *rest: ("digit", *rest))]
+
+
+def read_table():
+    """The contexts of the start table 1, and with what they begin."""
+    header = Path(__file__).parent.parent.parent / "include" / "hmesh" / "io" / "compact" / "photographs.hpp"
+    text = "".join(re.findall('^    "(.*)"', header.read_text(encoding="ascii"), re.M))
+    symbols = [c for c in map(chr, range(35, 127)) if c not in "?\\"]
+    places = [name(*index) for sizes, name in TABLES for index in product(*map(range, sizes))]
+    contexts, at, passed = {}, 0, 0
+    numbers = iter([symbols.index(c) for c in text])
+    for number in numbers:
+        passed = 45 * passed + number % 45
+        if number < 45:
+            at += passed
+            contexts[places[at]] = (64 * probability(64 * (next(numbers) - 44)), 24)
+            at, passed = at + 1, 0
+    return contexts
 
 
 class Code:
@@ -344,13 +380,15 @@ def read_compact(data, is_bare=False, size=None):
 
     if is_bare:
         first = byte()
-        assert first >> 4 == (2 if size else 1)
+        table, told = divmod((first >> 4) - 1, 2)
+        assert told == (1 if size else 0)
         width, height = size or (varint(), varint())
         step, color_step = 256 * varint(), varint()
         channels, kind, has_mask, points_kind = (first & 3) + 1, 0, False, False
         frame = None
     else:
-        assert data[:6] == b"\x9dHMC\1\0" and int.from_bytes(data[6:10], "little") == len(data)
+        table = data[5]
+        assert data[:5] == b"\x9dHMC\1" and int.from_bytes(data[6:10], "little") == len(data)
         assert int.from_bytes(data[10:14], "little") == zlib.crc32(data[:10] + data[14:])
         at = 14
         first, second = byte(), byte()
@@ -366,6 +404,8 @@ def read_compact(data, is_bare=False, size=None):
     left, top, w, h = frame or (0, 0, 256 * (width - less), 256 * (height - less))
     columns, rows = -(-w // step), -(-h // step)
     code = Code(data[at:])
+    assert table in (0, 1)
+    code.contexts = read_table() if table else {}
 
     inside = code.bits(5)
     inside = (1 << (inside - 1) | code.bits(inside - 1)) if inside else 0

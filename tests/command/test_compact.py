@@ -53,10 +53,10 @@ def test_damage_is_told(hmesh):
         hmesh.fails(why, f"{name} -o x.ply")
 
 
-@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare"])
+@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare", "table", "table_bare"])
 def test_another_decoder_reads_what_the_library_does(name):
     file = Path(__file__).parent.parent / "golden" / "compact" / name
-    size, vertices, faces = hmc.read_compact(file.with_suffix(".hmc").read_bytes(), name == "bare")
+    size, vertices, faces = hmc.read_compact(file.with_suffix(".hmc").read_bytes(), "bare" in name)
     lines = [size, [len(vertices)], *vertices, [len(faces)], *faces]
     assert [" ".join(map(str, line)) for line in lines] == file.with_suffix(".txt").read_text(encoding="ascii").splitlines()
 
@@ -75,10 +75,12 @@ def test_another_decoder_reads_what_the_command_writes(hmesh, options):
     assert places == sorted((v[0] / 256, height - v[1] / 256) for v in vertices)
 
 
-@pytest.mark.parametrize("image, options", [("picture.png", ""), ("grey.pgm", "--effort draft"), ("rgba.tga", "--premultiplied")])
+@pytest.mark.parametrize("image, options", [("picture.png", ""), ("picture.png", "--no-table"), ("grey.pgm", "--effort draft"),
+                                            ("rgba.tga", "--premultiplied")])
 def test_a_file_of_so_many_bytes(hmesh, image, options):
     said = hmesh.done(f"{image} {options} --bytes 250 -o x.hmc -o x.ply --render x.png")
     assert 245 <= len(read("x.hmc")) <= 250 and "vertices  " in said
+    assert read("x.hmc")[5] == (0 if "--no-table" in options else 1)
     hmesh.done("x.hmc -o y.ply --render y.png")
     assert read("x.ply") == read("y.ply") and read("x.png") == read("y.png")
     size, vertices, faces = hmc.read_compact(read("x.hmc"))
@@ -95,6 +97,8 @@ def test_what_bytes_cannot_be(hmesh):
                          ("-o x.hmc --method xie", "--method means nothing to --bytes, which makes a small .hmc file")]:
         run = hmesh.run(f"picture.png --bytes 300 {options}")
         assert run.returncode == 2 and why in run.stderr
+    run = hmesh.run("picture.png --no-table -o x.hmc")
+    assert run.returncode == 2 and "--no-table is given without --bytes" in run.stderr
     for count in ["0", "-3", "1e3", "2000000000"]:
         assert hmesh.run(f"picture.png --bytes {count} -o x.hmc").returncode == 2
     assert not Path("x.hmc").exists()

@@ -13,6 +13,7 @@
 #include "fuzz_exports.hpp"
 #include "fuzz_input.hpp"
 #include "hmesh/io/compact.hpp"
+#include "hmesh/io/compact/photographs.hpp"
 
 namespace {
 
@@ -97,29 +98,31 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh::CompactLimits limits;
     limits.max_vertices = 20000;
     const std::uint8_t kind = input.byte();
+    const hmesh::CompactTable* const table = &hmesh::compact_photographs;
     if (kind % 4 == 0 && size > 15) {
         std::string file(14, 0);
         file.append(reinterpret_cast<const char*>(bytes) + 1, size - 1);
         seal(file);
-        check_read(hmesh::read_compact(file.data(), file.size(), limits));
+        check_read(hmesh::read_compact(file.data(), file.size(), limits, table));
     } else if (kind % 4 == 1) {
         const std::vector<std::uint8_t> copy(bytes + 1, bytes + size);
-        check_read(hmesh::read_bare_compact(copy.data(), copy.size(), limits));
-        check_read(hmesh::read_compact(copy.data(), copy.size(), limits));
+        check_read(hmesh::read_bare_compact(copy.data(), copy.size(), limits, table));
+        check_read(hmesh::read_compact(copy.data(), copy.size(), limits, table));
     } else if (size > 0) {
         hmesh::CompactOptions options;
         options.colors = input.one_of<hmesh::CompactColors>(
             {hmesh::CompactColors::bits8, hmesh::CompactColors::bits16, hmesh::CompactColors::floats});
         options.linear = input.flag();
         options.bare = input.one_in(8);
+        if (kind % 8 == 7) options.table = table;
         if (options.colors == hmesh::CompactColors::bits8) options.color_step = 16U * input.byte();
         hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
         mesh.is_good = false;  // it may be off the grid, or have flaws that other formats do not mind
         hmesh_test::fuzz_exporter(
             input, mesh, [&](const hmesh::MeshView& view, hmesh::Sink sink) { return hmesh::write_compact(view, sink, options); },
             [&](const std::string& file, const hmesh::MeshView& view) {
-                const CompactMesh got = options.bare ? hmesh::read_bare_compact(file.data(), file.size())
-                                                     : hmesh::read_compact(file.data(), file.size());
+                const CompactMesh got = options.bare ? hmesh::read_bare_compact(file.data(), file.size(), {}, table)
+                                                     : hmesh::read_compact(file.data(), file.size(), {}, table);
                 demand(got.status.code == hmesh::Errc::ok, "what is written is read");
                 demand(got.mesh.vertex_count() == view.vertex_count, "there are as many vertices");
                 demand(corners_of(got.mesh.faces.data(), got.mesh.face_count(), got.mesh.positions.data()) ==

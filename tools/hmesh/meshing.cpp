@@ -11,6 +11,7 @@
 
 #include "hmesh/image/image_reader.hpp"
 #include "hmesh/image/premultiply.hpp"
+#include "hmesh/io/compact/photographs.hpp"
 #include "hmesh/large/mesh_reader.hpp"
 #include "hmesh/lods/mesh_lods.hpp"
 #include "hmesh/mesh_image.hpp"
@@ -377,6 +378,7 @@ hmesh::Result fit_bytes(const ImageFile& image, const MeshingOptions& options, c
                         std::vector<unsigned char>& file) {
     hmesh::CompactImageOptions wanted;
     wanted.bytes = options.bytes;
+    if (options.start_table) wanted.table = &hmesh::compact_photographs;
     wanted.premultiplied = options.premultiplied && hmesh::kit::has_alpha(image.channels);
     wanted.progress = options.progress;
     const hmesh::Annealed recipe = annealed_recipe(options);

@@ -48,6 +48,7 @@ struct MeshingOptions {
     double position_step = 1.0 / 256;        // px: see hmesh::MeshLimits
     std::vector<double> channel_weights;     // one for each channel; empty: all alike
     std::size_t bytes = 0;                   // the most of the compact file that the mesh is made for; 0: of none
+    bool start_table = true;                 // whether that begins with what photographs have taught
     double transparent = -1;             // 255ths of alpha of faces that drop_faces() drops, which searches count; below 0: none
     const hmesh::Mesh* start = nullptr;  // a mesh to bring to the target without more ado; null: none
     hmesh::ImageView<float, 1> weights;  // none: all pixels count the same

@@ -40,8 +40,9 @@ namespace hmesh {
 
 /// Options of compact_image().
 struct CompactImageOptions {
-    std::size_t bytes = 300;     ///< the most that the file may have
-    bool bare = false;           ///< whether to write the bare profile: CompactOptions::bare
+    std::size_t bytes = 300;              ///< the most that the file may have
+    bool bare = false;                    ///< whether to write the bare profile: CompactOptions::bare
+    const CompactTable* table = nullptr;  ///< what contexts begin with: CompactOptions::table
     bool premultiplied = false;  ///< whether colours of 2 or 4 channels are multiplied by alpha first: Options::premultiplied
     Progress progress{};         ///< is told how far the work is and may cancel it; its callable must outlive the call
 };
@@ -58,8 +59,9 @@ struct [[nodiscard]] CompactImage {
 namespace detail {
 
 /// What compact_image() has written.
-[[nodiscard]] inline CompactMesh read_file(const std::vector<std::uint8_t>& bytes, bool bare) {
-    return bare ? read_bare_compact(bytes.data(), bytes.size()) : read_compact(bytes.data(), bytes.size());
+[[nodiscard]] inline CompactMesh read_file(const std::vector<std::uint8_t>& bytes, const CompactImageOptions& options) {
+    return options.bare ? read_bare_compact(bytes.data(), bytes.size(), {}, options.table)
+                        : read_compact(bytes.data(), bytes.size(), {}, options.table);
 }
 
 /// The PSNR of a mesh with peak 255, drawn as large as an image and rounded to its pixels.
@@ -254,6 +256,7 @@ class CompactSearch {
         CompactOptions options;
         options.color_step = color_step;
         options.bare = options_->bare;
+        options.table = options_->table;
         if (options_->bare) {
             moved.width = lattice_.columns / lattice_.per_site;
             moved.height = lattice_.rows / lattice_.per_site;
@@ -293,7 +296,7 @@ class CompactSearch {
     }
     /// The PSNR of the mesh that bytes hold, drawn as large as the reference.
     [[nodiscard]] double psnr_of(const std::vector<std::uint8_t>& bytes) const {
-        return drawn_psnr(read_file(bytes, options_->bare).mesh, image_->pixels.view(), *parallel_for_);
+        return drawn_psnr(read_file(bytes, *options_).mesh, image_->pixels.view(), *parallel_for_);
     }
     const CompactReference<C>* image_;
     const CompactImageOptions* options_;
@@ -350,7 +353,7 @@ template <class T, int C>
         ++again.seed;
         if (!search.fill(best.n, best.color_step, again, out)) return out.bytes.clear(), out;
     }
-    out.mesh = read_file(out.bytes, options.bare).mesh;
+    out.mesh = read_file(out.bytes, options).mesh;
     if (runs.are_heard()) (void)options.progress({"compact image", 1, out.mesh.vertex_count(), 0, 1, {}});
     out.psnr = drawn_psnr(out.mesh, view, parallel_for);
     return out;

@@ -427,7 +427,8 @@ py::dict read_compact(const py::bytes& from, std::int64_t max_vertices, std::int
         hmesh::CompactLimits limits;
         limits.max_vertices = max_vertices;
         limits.max_pixels = max_pixels;
-        read = hmesh::read_compact(reinterpret_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size), limits);
+        read = hmesh::read_compact(reinterpret_cast<const std::uint8_t*>(data), static_cast<std::size_t>(size), limits,
+                                   &hmesh::compact_photographs);
     }
     if (!read.status) raise(read.status);
     return dict_of(std::move(read.mesh));

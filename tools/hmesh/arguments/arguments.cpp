@@ -150,6 +150,10 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     rate->excludes(vertices);
     psnr->excludes(vertices)->excludes(rate);
     bytes->excludes(vertices)->excludes(rate)->excludes(psnr);
+    app.add_flag_callback(
+        "--no-table", [&] { out.meshing.start_table = false; },
+        "with --bytes: a file for readers that lack the start table, such as the page; 7 % fewer\n"
+        "vertices in 300 bytes");
 }
 
 void add_meshing_options(CLI::App& app, Arguments& out) {
@@ -537,6 +541,7 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (!arguments.outline && !arguments.outline_options.holes) return "--no-holes is given without --outline";
     if (arguments.out_of_core)
         if (std::string why = find_rectangle_conflict(app, arguments); !why.empty()) return why;
+    if (!arguments.meshing.start_table && arguments.meshing.bytes == 0) return "--no-table is given without --bytes";
     if (arguments.meshing.bytes > 0)
         if (std::string why = find_byte_conflict(app, arguments); !why.empty()) return why;
     if (arguments.outline) return find_outline_conflict(app, inputs, arguments);

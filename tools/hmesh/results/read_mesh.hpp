@@ -10,6 +10,7 @@
 
 #include "arguments/arguments.hpp"
 #include "hmesh/io/compact.hpp"
+#include "hmesh/io/compact/photographs.hpp"
 #include "readers/image_file.hpp"
 #include "results/lines.hpp"
 #include "results/made.hpp"
@@ -29,7 +30,7 @@ namespace tool {
                                            Made& made) {
     hmesh::CompactLimits limits;
     limits.max_vertices = 1 << 24;
-    hmesh::CompactMesh read = hmesh::read_compact(bytes.data(), bytes.size(), limits);
+    hmesh::CompactMesh read = hmesh::read_compact(bytes.data(), bytes.size(), limits, &hmesh::compact_photographs);
     if (!read.status) return in_words(read.status);
     image.width = read.mesh.width;
     image.height = read.mesh.height;

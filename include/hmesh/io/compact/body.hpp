@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/colors.hpp"
@@ -18,6 +19,7 @@
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
+#include "hmesh/io/compact/start_table.hpp"
 #include "hmesh/io/compact/triangulation.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
@@ -86,10 +88,12 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     }
 }
 
-/// Writes or reads a body. Where it is read, more points than `most_points` are refused before there is memory for them; what
-/// passes are the faces of a triangulation and colours that there are.
-[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body,
-                                      std::size_t most_points) {
+/// Writes or reads a body, from the start that `table` gives, null: from nothing. Where it is read, more points than
+/// `most_points` are refused before there is memory for them; what passes are the faces of a triangulation and colours that there
+/// are.
+/// learnt(), where set, is called with the contexts of each coder when all is coded, in the order of the table.
+[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points,
+                                      const CompactTable* table, FunctionRef<void(const ContextTables&)> learnt = {}) {
     const Status early(Errc::invalid_argument, "the compact mesh ends early or is damaged");
     const auto lattice = lattice_of(head);
     std::array<std::uint32_t, 5> counts{};
@@ -108,17 +112,25 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
 
     body.ends[0] = coder.position();
     const Logistic logistic;
+    StartTable begin(table);
     {
         SiteCoder sites(coder, logistic);
+        begin.start(sites.contexts());
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t width = k < 4 ? lattice[k % 2] - 1 : lattice[0] - 1, height = k < 4 ? 1 : lattice[1] - 1;
             if (!sites.code(width, height, counts[k], body.sites[k])) return early;
         }
+        if (learnt) learnt(sites.contexts());
     }
     body.ends[1] = coder.position();
     const std::vector<GridPoint> points = points_of(head, body);
     Triangulation mesh(points);
-    if (!FlipCoder(coder, logistic).code(mesh, body.flips)) return early;
+    {
+        FlipCoder flips(coder, logistic);
+        begin.start(flips.contexts());
+        if (!flips.code(mesh, body.flips)) return early;
+        if (learnt) learnt(flips.contexts());
+    }
     body.ends[2] = coder.position();
     body.faces = all_faces(mesh);
     if (!coder.writes()) body.shown.assign(body.faces.size(), true);
@@ -134,7 +146,9 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     body.coarse.step = head.color_step;
     body.coarse.mean_area = std::int64_t{head.frame_width} * head.frame_height * 1536 / static_cast<std::int64_t>(points.size());
     ColorCoder colors(coder, logistic, channels, head.most_color(), body.coarse);
+    begin.start(colors.contexts());
     if (!colors.code(mesh, body.used, body.colors)) return early;
+    if (learnt) learnt(colors.contexts());
     body.ends[4] = coder.position();
     return {};
 }

@@ -22,6 +22,7 @@
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
+#include "hmesh/io/compact/start_table.hpp"
 #include "hmesh/io/compact/triangulation.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -142,6 +143,9 @@ class ColorCoder {
         }
         return true;
     }
+
+    /// What it has learnt.
+    [[nodiscard]] ContextTables contexts() { return {&spread_, &misses_, &others_, &place_, &signs_, &digits_}; }
 
   private:
     static constexpr std::size_t steps = 36;  // of the number of digits of a difference

@@ -32,6 +32,7 @@ namespace detail {
 struct CompactHead {
     static constexpr std::uint32_t widest = std::uint32_t{1} << 25;  ///< side of a frame, in 1/256 px
     static constexpr std::uint32_t coarsest = 4095;                  ///< step of colours
+    static constexpr int last_table = 6;                             ///< number of a start table
 
     int channels = 0;                                 ///< 1 to 4
     CompactColors colors = CompactColors::bits8;      ///< how colours are held
@@ -43,6 +44,7 @@ struct CompactHead {
     double peak = 0;                                  ///< colour value of full intensity
     std::uint32_t step = 1;                           ///< of the lattice, in 1/256 px
     std::uint32_t color_step = 0;                     ///< 0: colours are exact; else that of CoarseColors
+    int table = 0;                                    ///< number of the start table, 0: none
     std::int32_t left = 0, top = 0;                   ///< the frame, the rectangle that all faces fill, in 1/256 px
     std::uint32_t frame_width = 0, frame_height = 0;  ///< its size
 
@@ -241,8 +243,8 @@ struct ToldSize {
 }
 /// Puts the head of the bare profile, with or without the image's size.
 inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head, bool is_size_told) {
-    out.push_back(static_cast<std::uint8_t>((is_size_told ? 2 : 1) << 4 | (head.linear ? 8 : 0) | (head.premultiplied ? 4 : 0) |
-                                            (head.channels - 1)));
+    out.push_back(static_cast<std::uint8_t>((2 * head.table + (is_size_told ? 2 : 1)) << 4 | (head.linear ? 8 : 0) |
+                                            (head.premultiplied ? 4 : 0) | (head.channels - 1)));
     if (!is_size_told)
         for (const int side : {head.width, head.height}) put_varint(out, static_cast<std::uint32_t>(side));
     put_varint(out, head.step / 256);
@@ -254,9 +256,11 @@ inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& hea
         return Status(Errc::invalid_argument, what, value, limit);
     };
     const unsigned first = in.u8();
-    if (first >> 4 != 1 && first >> 4 != 2)
-        return refused("these bytes are no bare compact mesh of a version known", first >> 4, 2);
-    if ((first >> 4 == 2) != (told.width != 0))
+    const unsigned kind = first >> 4;
+    if (kind < 1 || kind > 2 * CompactHead::last_table + 2)
+        return refused("these bytes are no bare compact mesh of a version known", kind, 2.0 * CompactHead::last_table + 2);
+    head.table = static_cast<int>(kind - 1) / 2;
+    if ((kind % 2 == 0) != (told.width != 0))
         return refused("a bare compact mesh is read with its size where it does not tell it, and without where it does");
     head.channels = static_cast<int>(first & 3U) + 1;
     head.premultiplied = (first & 4U) != 0;

@@ -97,6 +97,9 @@ class FlipCoder {
         return true;
     }
 
+    /// What it has learnt.
+    [[nodiscard]] ContextTables contexts() { return {&angles_, &shapes_, &near_}; }
+
   private:
     // All edges, each once, by the lesser of its points and then by the other.
     [[nodiscard]] static std::vector<Index> all_edges(const Triangulation& mesh) {

@@ -22,6 +22,12 @@ namespace hmesh::detail {
 /// A probability that follows the bits of its context: 22 bits of it, and 10 that count the bits seen, up to `most_seen`.
 class AdaptiveBit {
   public:
+    AdaptiveBit() = default;  ///< that has seen nothing
+    /// As after `seen` <= 160 bits, with the probability p16 in 2^-16, in [1, 65535].
+    AdaptiveBit(std::uint32_t p16, std::uint32_t seen) noexcept : state_(p16 << 16 | seen) {}
+
+    /// How many bits it has seen; of more than 160, that.
+    [[nodiscard]] std::uint32_t seen() const noexcept { return state_ & 1023U; }
     /// The probability of a 1, in 2^-12.
     [[nodiscard]] std::uint32_t p12() const noexcept { return state_ >> 20; }
     /// The probability of a 1 in 2^-16, in [1, 65535].

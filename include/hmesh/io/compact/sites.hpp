@@ -20,6 +20,7 @@
 
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/mixer.hpp"
+#include "hmesh/io/compact/start_table.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -131,6 +132,9 @@ class SiteCoder {
         }
         return true;
     }
+
+    /// What it has learnt.
+    [[nodiscard]] ContextTables contexts() { return {&neighbors_, &wide_, &far_, &depth_, &inner_}; }
 
   private:
     static constexpr std::size_t kinds = 48;  // of decisions, see kind_of()
