@@ -8,7 +8,7 @@
 // --grid is that of `hmesh --grid`; --mosaic lays each image out N x N times, for more vertices than it could hold.
 //
 // The last table has bytes a vertex on disk: of both buffers, and of what `hmesh --glb` writes, with colours of 16 and 8 bits,
-// and what zlib makes of either at its level 9, if it was found. Of compressed files it says what is positions, colours and
+// and what zlib makes of either at its level 9, if it was found. Of compressed files it says what is vertices and what
 // indices; the rest is JSON.
 #include <algorithm>
 #include <cstddef>
@@ -128,14 +128,14 @@ void print_size(const hmesh::Mesh& mesh, const char* what, int bits, const Bytes
     std::printf(" | ");
     // What is compressed stands behind EXT_meshopt_compression, primitive by primitive.
     const std::string text(bytes.begin(), bytes.end());
-    double parts[3] = {};
+    double parts[2] = {};
     std::size_t at = 0, found = 0;
     const std::string before = "\"EXT_meshopt_compression\":{\"buffer\":0,", length = "\"byteLength\":";
     for (; (at = text.find(before, at)) != std::string::npos; ++found) {
         at = text.find(length, at) + length.size();
-        parts[found % 3] += std::atof(text.c_str() + at) / vertices;
+        parts[found % 2] += std::atof(text.c_str() + at) / vertices;
     }
-    if (found > 0) std::printf("%.2f, %.2f, %.2f", parts[0], parts[1], parts[2]);
+    if (found > 0) std::printf("%.2f, %.2f", parts[0], parts[1]);
     std::printf(" |\n");
 }
 
@@ -198,8 +198,9 @@ int main(int argc, char** argv) {
         else is_good = false;
     }
     if (!is_good || images.empty()) {
-        std::fprintf(stderr, "usage: gpu_buffers [--vertices 2600,20000] [--effort draft] [--grid 256] [--repeat 5] [--mosaic N] "
-                             "IMAGE...\n");
+        std::fprintf(stderr,
+                     "usage: gpu_buffers [--vertices 2600,20000] [--effort draft] [--grid 256] [--repeat 5] [--mosaic N] "
+                     "IMAGE...\n");
         return 2;
     }
     std::vector<hmesh::Mesh> meshes;
@@ -223,7 +224,7 @@ int main(int argc, char** argv) {
     for (const auto& mesh : meshes) print_buffers(mesh, repeats);
     std::puts("\n| vertices | order | ACMR | ATVR | ATVR 32 | B of indices/vertex | us/face |\n|---|---|---|---|---|---|---|");
     for (const auto& mesh : meshes) compare_orders(mesh, repeats);
-    std::puts("\n| vertices | on disk | bits of a colour | B/vertex | zlib | positions, colours, indices |\n|---|---|---|---|---|---|");
+    std::puts("\n| vertices | on disk | bits of a colour | B/vertex | zlib | vertices, indices |\n|---|---|---|---|---|---|");
     for (const auto& mesh : meshes) print_sizes(mesh);
     return 0;
 }

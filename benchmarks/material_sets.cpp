@@ -72,7 +72,8 @@ Set draw(int size, const std::function<Point(double x, double y)>& material) {
     };
     for (int y = 0; y < size; ++y)
         for (int x = 0; x < size; ++x) {
-            const std::array<double, 3> n{(height(x - 1, y) - height(x + 1, y)) / 2, (height(x, y + 1) - height(x, y - 1)) / 2, 1};
+            const std::array<double, 3> n{(height(x - 1, y) - height(x + 1, y)) / 2, (height(x, y + 1) - height(x, y - 1)) / 2,
+                                          1};
             const double length = std::sqrt(n[0] * n[0] + n[1] * n[1] + 1);
             for (std::size_t i = 0; i < 3; ++i) out.pixel(x, y)[3 + i] = byte(0.5 + 0.5 * n[i] / length);
         }
