@@ -58,7 +58,8 @@ Set draw(int size, const std::function<Point(double x, double y)>& material) {
         for (int x = 0; x < size; ++x) {
             Point mean;
             for (int k = 0; k < 16; ++k) {
-                const Point at = material(x + (k % 4 + 0.5) / 4, y + (k / 4 + 0.5) / 4);
+                const int column = k % 4, row = k / 4;
+                const Point at = material(x + (column + 0.5) / 4, y + (row + 0.5) / 4);
                 for (std::size_t i = 0; i < 3; ++i) mean.albedo[i] += clamp01(at.albedo[i]) / 16;
                 mean.rough += clamp01(at.rough) / 16;
                 mean.height += at.height / 16;
@@ -83,8 +84,8 @@ Set draw(int size, const std::function<Point(double x, double y)>& material) {
 Set bricks(int size) {
     const Noise wobble_x(size, 16, 16, 1), wobble_y(size, 16, 16, 2), grain(size, 48, 48, 3);
     hmesh::kit::Random random(4);
-    std::vector<double> tints;
-    for (int i = 0; i < 32; ++i) tints.push_back(random.uniform());
+    std::vector<double> tints(32);
+    for (double& tint : tints) tint = random.uniform();
     const double wide = size / 4.0, high = size / 8.0, bevel = size / 128.0;
     return draw(size, [=](double x, double y) {
         const double v = std::fmod(y + bevel * wobble_y(x, y) + size, size), row = std::floor(v / high);
@@ -105,6 +106,7 @@ Set bricks(int size) {
 
 Set rock(int size) {
     std::vector<Noise> octaves;
+    octaves.reserve(5);
     for (int k = 0; k < 5; ++k) octaves.emplace_back(size, 4 << k, 4 << k, 10 + static_cast<std::uint64_t>(k));
     return draw(size, [=](double x, double y) {
         double sum = 0, weight = 0.5;

@@ -63,6 +63,7 @@ void balance_maps(const ImageFile& joined, MeshingOptions options, const hmesh::
     options.levels = 1;
     for (int round = 0; round < rounds; ++round) {
         std::vector<double> weights;
+        weights.reserve(maps.size());
         for (const Map& map : maps) weights.push_back(map.weight);
         if (!spread_weights(weights, maps, joined, options.channel_weights).empty()) return;
         const hmesh::Result trial = mesh_file(joined, options, parallel_for);
