@@ -1,11 +1,15 @@
 // gpu_buffers: what pack_for_gpu() makes of images, and its order of faces beside that of meshoptimizer, as Markdown tables.
 //
-//     gpu_buffers [--vertices 2600,20000] [--repeat 5] [--mosaic N] IMAGE...
+//     gpu_buffers [--vertices 2600,20000] [--effort draft] [--grid 256] [--repeat 5] [--mosaic N] IMAGE...
 //
 // Bytes a vertex are those of both buffers. ACMR and ATVR are of a FIFO of 16 vertices; ATVR of 32-wide batches is what
 // meshoptimizer analyses as (32, 32, 32). us a face is processor time, the least of the repeats: of all of pack_for_gpu(), and
 // of the orders alone. Lines named meshoptimizer are there if it was found when this was built (Debian: libmeshoptimizer-dev).
-// Meshes are those of the effort draft. --mosaic lays each image out N x N times, for more vertices than it could hold.
+// --grid is that of `hmesh --grid`; --mosaic lays each image out N x N times, for more vertices than it could hold.
+//
+// The last table has bytes a vertex on disk: of both buffers, and of what `hmesh --glb` writes, with colours of 16 and 8 bits,
+// and what zlib makes of either at its level 9, if it was found. Of compressed files it says what is vertices and what
+// indices; the rest is JSON.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -20,9 +24,13 @@
 #include <hmesh/hmesh.hpp>
 
 #include "common.hpp"
+#include "writers/formats.hpp"
 
-#ifdef HMESH_HAS_MESHOPTIMIZER
+#ifdef HMESH_HAS_MESHOPT
 #include <meshoptimizer.h>
+#endif
+#ifdef HMESH_HAS_ZLIB
+#include <zlib.h>
 #endif
 
 namespace {
@@ -44,7 +52,7 @@ double microseconds(int repeats, std::size_t faces, const std::function<void()>&
 void print_order(const char* name, const hmesh::Mesh& mesh, const Indices& indices, double time) {
     const auto use = hmesh::kit::vertex_cache_use(indices.data(), indices.size(), mesh.face_count(), mesh.vertex_count());
     std::printf("| %zu | %s | %.4f | %.4f | ", mesh.vertex_count(), name, use.acmr, use.atvr);
-#ifdef HMESH_HAS_MESHOPTIMIZER
+#ifdef HMESH_HAS_MESHOPT
     Indices list = indices;
     if (std::count(indices.begin(), indices.end(), hmesh::kit::no_index) > 0) {
         list.resize(meshopt_unstripifyBound(indices.size()));
@@ -71,7 +79,7 @@ void compare_orders(const hmesh::Mesh& mesh, int repeats) {
     print_order("as meshed", mesh, as_made, 0);
     double time = microseconds(repeats, faces, [&] { order = hmesh::kit::vertex_cache_order(mesh.faces, vertices); });
     print_order("list", mesh, list_of(mesh.faces, order), time);
-#ifdef HMESH_HAS_MESHOPTIMIZER
+#ifdef HMESH_HAS_MESHOPT
     Indices other(as_made.size());
     time = microseconds(repeats, faces,
                         [&] { meshopt_optimizeVertexCache(other.data(), as_made.data(), as_made.size(), vertices); });
@@ -79,7 +87,7 @@ void compare_orders(const hmesh::Mesh& mesh, int repeats) {
 #endif
     time = microseconds(repeats, faces, [&] { strips = hmesh::kit::vertex_cache_strips(mesh.faces, vertices); });
     print_order("strips", mesh, strips, time);
-#ifdef HMESH_HAS_MESHOPTIMIZER
+#ifdef HMESH_HAS_MESHOPT
     strips.resize(meshopt_stripifyBound(as_made.size()));
     std::size_t used = 0;
     time = microseconds(repeats, faces, [&] {
@@ -106,6 +114,62 @@ void print_buffers(const hmesh::Mesh& mesh, int repeats) {
     }
 }
 
+using Bytes = std::vector<std::uint8_t>;
+
+void print_size(const hmesh::Mesh& mesh, const char* what, int bits, const Bytes& bytes) {
+    const auto vertices = static_cast<double>(mesh.vertex_count());
+    std::printf("| %zu | %s | %d | %.2f | ", mesh.vertex_count(), what, bits, static_cast<double>(bytes.size()) / vertices);
+#ifdef HMESH_HAS_ZLIB
+    uLongf size = compressBound(static_cast<uLong>(bytes.size()));
+    Bytes packed(size);
+    if (compress2(packed.data(), &size, bytes.data(), static_cast<uLong>(bytes.size()), 9) == Z_OK)
+        std::printf("%.2f", static_cast<double>(size) / vertices);
+#endif
+    std::printf(" | ");
+    // What is compressed stands behind EXT_meshopt_compression, primitive by primitive.
+    const std::string text(bytes.begin(), bytes.end());
+    double parts[2] = {};
+    std::size_t at = 0, found = 0;
+    const std::string before = "\"EXT_meshopt_compression\":{\"buffer\":0,", length = "\"byteLength\":";
+    for (; (at = text.find(before, at)) != std::string::npos; ++found) {
+        at = text.find(length, at) + length.size();
+        parts[found % 2] += std::atof(text.c_str() + at) / vertices;
+    }
+    if (found > 0) std::printf("%.2f, %.2f", parts[0], parts[1]);
+    std::printf(" |\n");
+}
+
+void print_sizes(const hmesh::Mesh& mesh) {
+    for (const auto topology : {hmesh::GpuTopology::triangle_list, hmesh::GpuTopology::triangle_strip}) {
+        hmesh::GpuOptions options;
+        options.topology = topology;
+        const hmesh::GpuBuffers buffers = hmesh::pack_for_gpu(mesh.view(), options);
+        Bytes bytes = buffers.vertices;
+        bytes.insert(bytes.end(), buffers.indices.begin(), buffers.indices.end());
+        print_size(mesh, topology == hmesh::GpuTopology::triangle_list ? "buffers, list" : "buffers, strips", 8, bytes);
+    }
+    const std::pair<const char*, tool::GlbForm> forms[] = {{"--glb exact", tool::GlbForm::exact},
+                                                           {"--glb packed", tool::GlbForm::packed},
+#ifdef HMESH_HAS_MESHOPT
+                                                           {"--glb meshopt", tool::GlbForm::meshopt}
+#endif
+    };
+    for (const auto& [name, form] : forms)
+        for (const int bits : {16, 8}) {
+            tool::FormatOptions options;
+            options.glb = form;
+            options.glb_color_bits = bits;
+            Bytes bytes;
+            const auto keep = [&](const void* from, std::size_t size) {
+                const auto* first = static_cast<const std::uint8_t*>(from);
+                bytes.insert(bytes.end(), first, first + size);
+                return true;
+            };
+            if (!tool::write_glb_levels({mesh.view()}, options, keep)) return;
+            print_size(mesh, name, bits, bytes);
+        }
+}
+
 // The picture n x n times.
 bench::Picture mosaic_of(const bench::Picture& tile, int n) {
     bench::Picture mosaic(n * tile.width(), n * tile.height());
@@ -119,7 +183,8 @@ bench::Picture mosaic_of(const bench::Picture& tile, int n) {
 
 int main(int argc, char** argv) {
     std::vector<std::string> sizes{"2600", "20000"}, images;
-    int repeats = 5, columns = 1;
+    int repeats = 5, columns = 1, grid = 256;
+    hmesh::Annealed recipe{hmesh::Effort::draft};
     bool is_good = true;
     for (int i = 1; i < argc; ++i) {
         const std::string argument = argv[i];
@@ -127,11 +192,15 @@ int main(int argc, char** argv) {
         else if (++i == argc) is_good = false;
         else if (argument == "--vertices") sizes = bench::split(argv[i]);
         else if (argument == "--repeat") repeats = std::max(1, std::atoi(argv[i]));
+        else if (argument == "--effort") is_good &= bench::effort_of(argv[i], recipe.effort);
+        else if (argument == "--grid") grid = std::clamp(std::atoi(argv[i]), 1, 256);
         else if (argument == "--mosaic") columns = std::clamp(std::atoi(argv[i]), 1, 64);
         else is_good = false;
     }
     if (!is_good || images.empty()) {
-        std::fprintf(stderr, "usage: gpu_buffers [--vertices 2600,20000] [--repeat 5] [--mosaic N] IMAGE...\n");
+        std::fprintf(stderr,
+                     "usage: gpu_buffers [--vertices 2600,20000] [--effort draft] [--grid 256] [--repeat 5] [--mosaic N] "
+                     "IMAGE...\n");
         return 2;
     }
     std::vector<hmesh::Mesh> meshes;
@@ -142,7 +211,8 @@ int main(int argc, char** argv) {
         for (const std::string& size : sizes) {
             hmesh::Options options;
             options.target = hmesh::Target::vertices(static_cast<std::size_t>(std::atoll(size.c_str())));
-            auto result = hmesh::mesh_image(mosaic.view(), options, hmesh::Annealed{hmesh::Effort::draft});
+            options.limits.position_step = 1.0 / grid;
+            auto result = hmesh::mesh_image(mosaic.view(), options, recipe);
             if (!result.has_mesh()) {
                 std::fprintf(stderr, "gpu_buffers: %s: %s\n", path.c_str(), hmesh::message(result.status).c_str());
                 return 1;
@@ -154,5 +224,7 @@ int main(int argc, char** argv) {
     for (const auto& mesh : meshes) print_buffers(mesh, repeats);
     std::puts("\n| vertices | order | ACMR | ATVR | ATVR 32 | B of indices/vertex | us/face |\n|---|---|---|---|---|---|---|");
     for (const auto& mesh : meshes) compare_orders(mesh, repeats);
+    std::puts("\n| vertices | on disk | bits of a colour | B/vertex | zlib | vertices, indices |\n|---|---|---|---|---|---|");
+    for (const auto& mesh : meshes) print_sizes(mesh);
     return 0;
 }

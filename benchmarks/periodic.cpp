@@ -27,38 +27,14 @@
 #include <hmesh/mesh/torus.hpp>
 
 #include "common.hpp"
+#include "noise.hpp"
 
 namespace {
 
 constexpr int size = 256;
+using bench::clamp01;
+using bench::Noise;
 using hmesh::kit::Point;
-
-// Smooth noise that repeats after `size` px, in [0, 1), of so many cells along each axis.
-class Noise {
-  public:
-    Noise(int columns, int rows, std::uint64_t seed) : columns_(columns), rows_(rows) {
-        hmesh::kit::Random random(seed);
-        for (int i = 0; i < columns * rows; ++i) values_.push_back(random.uniform());
-    }
-    [[nodiscard]] double operator()(double x, double y) const {
-        const double u = x * columns_ / size, v = y * rows_ / size;
-        const double left = std::floor(u), top = std::floor(v);
-        const auto smooth = [](double t) { return t * t * (3 - 2 * t); };
-        const double a = smooth(u - left), b = smooth(v - top);
-        const auto at = [&](int i, int j) {
-            const int column = (static_cast<int>(left) + i + 8 * columns_) % columns_;
-            const int row = (static_cast<int>(top) + j + 8 * rows_) % rows_;
-            return values_[static_cast<std::size_t>(row * columns_ + column)];
-        };
-        return (1 - b) * ((1 - a) * at(0, 0) + a * at(1, 0)) + b * ((1 - a) * at(0, 1) + a * at(1, 1));
-    }
-
-  private:
-    int columns_, rows_;
-    std::vector<double> values_;
-};
-
-double clamp01(double x) { return std::max(0.0, std::min(1.0, x)); }
 
 bench::Picture draw(const std::function<std::array<double, 3>(double x, double y)>& color) {
     bench::Picture out(size, size);
@@ -75,7 +51,7 @@ bench::Picture draw(const std::function<std::array<double, 3>(double x, double y
 }
 
 bench::Picture bricks() {
-    const Noise wobble_x(16, 16, 1), wobble_y(16, 16, 2), grain(48, 48, 3);
+    const Noise wobble_x(size, 16, 16, 1), wobble_y(size, 16, 16, 2), grain(size, 48, 48, 3);
     hmesh::kit::Random random(4);
     std::vector<double> tints;
     for (int i = 0; i < 32; ++i) tints.push_back(random.uniform());
@@ -96,7 +72,7 @@ bench::Picture bricks() {
 
 bench::Picture rock() {
     std::vector<Noise> octaves;
-    for (int k = 0; k < 5; ++k) octaves.emplace_back(4 << k, 4 << k, 10 + static_cast<std::uint64_t>(k));
+    for (int k = 0; k < 5; ++k) octaves.emplace_back(size, 4 << k, 4 << k, 10 + static_cast<std::uint64_t>(k));
     return draw([&](double x, double y) -> std::array<double, 3> {
         double sum = 0, weight = 0.5;
         for (const Noise& octave : octaves) sum += weight * octave(x, y), weight *= 0.5;
@@ -106,7 +82,7 @@ bench::Picture rock() {
 }
 
 bench::Picture wood() {
-    const Noise bend(3, 2, 20), fine(64, 4, 21), knots(2, 2, 22);
+    const Noise bend(size, 3, 2, 20), fine(size, 64, 4, 21), knots(size, 2, 2, 22);
     return draw([&](double x, double y) -> std::array<double, 3> {
         const double phase = 12 * x / size + 1.5 * bend(x, y) + 0.8 * knots(x, y);
         const double ring = phase - std::floor(phase), dark = ring < 0.85 ? ring / 0.85 : (1 - ring) / 0.15;

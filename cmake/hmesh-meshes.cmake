@@ -10,6 +10,7 @@
 #       [FORMAT <ending>...]                         ply (default), obj, glb, pdf, eps, svg, html, hmc; several at once
 #       [EFFORT <name>]                              draft, fast, normal (default), fine or best
 #       [LODS <n>]                                   levels of detail: .glb holds all, of others <name>_lod1.<ending> is the second
+#       [PERIODIC x|y|xy]                            meshes of textures that tile, whose copies join; not with SPRITE or OUTLINE
 #       [OUTPUT_DIRECTORY <directory>]               default: <target> in the current binary directory
 #       [OPTIONS <option>...])                       more of `hmesh --help`; names of files should be absolute
 #
@@ -21,8 +22,9 @@
 #
 #   set_source_files_properties(icon.png PROPERTIES HMESH_OPTIONS "--sprite;--vertices;500")
 #
-# They come behind those of the target. Its number of vertices and its EFFORT make way where the image has its own: --rate,
-# --vertices, --psnr, --max-vertices and --effort. Which files there are is said by FORMAT, LODS and OUTLINE alone.
+# They come behind those of the target. Its number of vertices, its EFFORT and its PERIODIC make way where the image has its own:
+# --rate, --vertices, --psnr, --max-vertices, --effort and --periodic. Which files there are is said by FORMAT, LODS and OUTLINE
+# alone.
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
@@ -43,7 +45,7 @@ endif()
 
 function(hmesh_add_meshes target)
     cmake_parse_arguments(PARSE_ARGV 1 arg "SPRITE;OUTLINE"
-                          "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;LODS;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
+                          "RATE;VERTICES;PSNR;MAX_VERTICES;EFFORT;LODS;PERIODIC;OUTPUT_DIRECTORY" "SOURCES;FORMAT;OPTIONS")
     if(NOT arg_SOURCES)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): SOURCES names no image")
     elseif(DEFINED arg_UNPARSED_ARGUMENTS)
@@ -65,7 +67,7 @@ function(hmesh_add_meshes target)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): ${given} cannot both be given")
     endif()
     if(arg_OUTLINE)
-        foreach(keyword IN ITEMS RATE VERTICES PSNR EFFORT LODS)
+        foreach(keyword IN ITEMS RATE VERTICES PSNR EFFORT LODS PERIODIC)
             if(DEFINED arg_${keyword})
                 message(FATAL_ERROR "hmesh_add_meshes(${target}): ${keyword} means nothing to OUTLINE, which makes no mesh "
                                     "of colours")
@@ -74,6 +76,8 @@ function(hmesh_add_meshes target)
         if(arg_SPRITE)
             message(FATAL_ERROR "hmesh_add_meshes(${target}): SPRITE and OUTLINE cannot both be given")
         endif()
+    elseif(arg_SPRITE AND DEFINED arg_PERIODIC)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): SPRITE and PERIODIC cannot both be given")
     endif()
     hmesh_check_options("hmesh_add_meshes(${target}): OPTIONS" ${arg_OPTIONS})
     if(NOT arg_FORMAT)
@@ -100,6 +104,11 @@ function(hmesh_add_meshes target)
     if(DEFINED arg_EFFORT AND NOT arg_EFFORT IN_LIST efforts AND NOT arg_EFFORT MATCHES "${expression}")
         list(JOIN efforts ", " efforts)
         message(FATAL_ERROR "hmesh_add_meshes(${target}): EFFORT '${arg_EFFORT}' is not one of: ${efforts}")
+    endif()
+    set(axes none x y xy)
+    if(DEFINED arg_PERIODIC AND NOT arg_PERIODIC IN_LIST axes AND NOT arg_PERIODIC MATCHES "${expression}")
+        list(JOIN axes ", " axes)
+        message(FATAL_ERROR "hmesh_add_meshes(${target}): PERIODIC '${arg_PERIODIC}' is not one of: ${axes}")
     endif()
     foreach(goal IN ITEMS VERTICES MAX_VERTICES)
         set(value "${arg_${goal}}")
@@ -174,7 +183,7 @@ function(hmesh_add_meshes target)
         endif()
         hmesh_check_options("hmesh_add_meshes(${target}): HMESH_OPTIONS of ${source}" ${own})
         # What of the target stands beside the image's own.
-        set(keywords ${goals} EFFORT LODS)
+        set(keywords ${goals} EFFORT LODS PERIODIC)
         if(own MATCHES "(^|;)--(rate|vertices|psnr)(;|=|$)")
             list(REMOVE_ITEM keywords ${goals})
         elseif(own MATCHES "(^|;)--max-vertices(;|=|$)")
@@ -182,6 +191,9 @@ function(hmesh_add_meshes target)
         endif()
         if(own MATCHES "(^|;)--effort(;|=|$)")
             list(REMOVE_ITEM keywords EFFORT)
+        endif()
+        if(own MATCHES "(^|;)--periodic(;|=|$)")
+            list(REMOVE_ITEM keywords PERIODIC)
         endif()
         set(options --quiet)
         foreach(keyword IN LISTS keywords)

@@ -2586,6 +2586,7 @@ namespace detail {
 #ifndef HMESH_IO_DETAIL_GLB_FILE_HPP
 #define HMESH_IO_DETAIL_GLB_FILE_HPP
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -2595,11 +2596,12 @@ namespace detail {
 
 namespace hmesh {
 
-/// An array of numbers in a .glb file, to be compressed.
+/// An array of numbers in a .glb file, to be compressed: the indices of a primitive, or all attributes of its vertices, one
+/// vertex after another.
 struct GltfArray {
     const unsigned char* bytes = nullptr;  ///< `count` elements of `stride` bytes
     std::size_t count = 0,                 ///< elements: vertices, or three indices a face
-        stride = 0;                        ///< bytes of an element: 2 or 4 of an index, else a multiple of 4 up to 256
+        stride = 0;                        ///< bytes of an element: 2 or 4 of an index, else a multiple of 4 up to 252
     bool is_indices = false;               ///< of faces, mode TRIANGLES of EXT_meshopt_compression; else mode ATTRIBUTES
 };
 
@@ -2652,6 +2654,12 @@ struct GlbArray {
     [[nodiscard]] std::uint64_t bytes() const noexcept { return stride() * count; }
 };
 
+/// Consecutive arrays of a file that are one buffer view.
+struct GlbView {
+    std::size_t first = 0, end = 0;  ///< the arrays [first, end)
+    std::uint64_t stride = 0;        ///< bytes from one element to the next, of all of them
+};
+
 /// A vertex attribute of a primitive.
 struct GlbAttribute {
     const char* name = "";    ///< "POSITION"; lives as long as the file
@@ -2690,7 +2698,7 @@ struct GlbFile {
     /// Of each node, where they are levels of detail of one thing, the finest first (MSFT_lod): down to which share of the
     /// screen, in [0, 1], it is drawn. Else empty: all nodes are drawn.
     kit::Array<double> coverages{};
-    /// Of each array, where they are compressed; else empty.
+    /// Of each buffer view, where they are compressed; else empty.
     std::vector<std::vector<unsigned char>> compressed{};
     bool is_quantized = false;     ///< arrays have numbers that KHR_mesh_quantization allows
     std::uint64_t json_bytes = 0;  ///< without padding
@@ -2702,6 +2710,21 @@ struct GlbFile {
         std::uint64_t sum = 0;
         for (const GlbArray& array : arrays) sum = padded(sum) + array.bytes();
         return sum;
+    }
+    /// All buffer views, in the order of the buffer. Where they are compressed, attributes of vertices are interleaved, as far as
+    /// strides go in glTF: a stream of its own and the words about it take some 250 bytes.
+    [[nodiscard]] kit::Array<GlbView> views(bool is_compressed) const {
+        constexpr std::uint64_t longest = 252;
+        kit::Array<GlbView> all;
+        for (std::size_t i = 0; i < arrays.size(); ++i) {
+            const GlbArray& array = arrays[i];
+            const bool joins = is_compressed && !all.empty() && !array.is_indices && !arrays[i - 1].is_indices &&
+                               array.count == arrays[i - 1].count && all.back().stride + array.stride() <= longest;
+            if (!joins) all.push_back({i, i, 0});
+            ++all.back().end;
+            all.back().stride += array.stride();
+        }
+        return all;
     }
     /// The buffer that the file holds, without padding behind it.
     [[nodiscard]] std::uint64_t binary_bytes() const noexcept {
@@ -2877,9 +2900,16 @@ HMESH_COLD inline void write_glb_scene(GlbJson& json, const GlbFile& file) {
 /// Writes accessors, buffer views and buffers.
 HMESH_COLD inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
     constexpr std::array<const char*, 4> types{"SCALAR", "VEC2", "VEC3", "VEC4"};
+    const bool is_compressed = !file.compressed.empty();
+    const kit::Array<GlbView> views = file.views(is_compressed);
+    std::uint64_t view = 0, offset = 0, place = 0;
     json.list("accessors", file.arrays.size(), [&](std::size_t i) {
         const GlbArray& array = file.arrays[i];
-        json.put({"{\"bufferView\":", std::uint64_t{i}, ",\"componentType\":", static_cast<std::uint64_t>(array.number),
+        if (i == views[static_cast<std::size_t>(view)].end) ++view, offset = 0;
+        json.put({"{\"bufferView\":", view});
+        if (offset > 0) json.put({",\"byteOffset\":", offset});
+        offset += array.stride();
+        json.put({",\"componentType\":", static_cast<std::uint64_t>(array.number),
                   array.is_normalized ? ",\"normalized\":true" : "", ",\"count\":", array.count, ",\"type\":\"",
                   types[array.components - 1], "\""});
         if (array.has_bounds)
@@ -2888,20 +2918,20 @@ HMESH_COLD inline void write_glb_arrays(GlbJson& json, const GlbFile& file) {
         json.put("}");
     });
     json.put(",");
-    const bool is_compressed = !file.compressed.empty();
-    std::uint64_t offset = 0, place = 0;
-    json.list("bufferViews", file.arrays.size(), [&](std::size_t i) {
-        const GlbArray& array = file.arrays[i];
+    offset = 0;
+    json.list("bufferViews", views.size(), [&](std::size_t i) {
+        const GlbArray& array = file.arrays[views[i].first];
+        const std::uint64_t stride = views[i].stride, bytes = stride * array.count;
         json.put(is_compressed ? "{\"buffer\":1" : "{\"buffer\":0");
         if (offset > 0) json.put({",\"byteOffset\":", offset});
-        json.put({",\"byteLength\":", array.bytes()});
-        if (!array.is_indices) json.put({",\"byteStride\":", array.stride()});
+        json.put({",\"byteLength\":", bytes});
+        if (!array.is_indices) json.put({",\"byteStride\":", stride});
         json.put(array.is_indices ? ",\"target\":34963" : ",\"target\":34962");  // ELEMENT_ARRAY_BUFFER and ARRAY_BUFFER
-        offset += GlbFile::padded(array.bytes());
+        offset += GlbFile::padded(bytes);
         if (is_compressed) {
             const std::uint64_t size = file.compressed[i].size();
             json.put({",\"extensions\":{\"EXT_meshopt_compression\":{\"buffer\":0,\"byteOffset\":", place,
-                      ",\"byteLength\":", size, ",\"byteStride\":", array.stride(), ",\"count\":", array.count,
+                      ",\"byteLength\":", size, ",\"byteStride\":", stride, ",\"count\":", array.count,
                       array.is_indices ? ",\"mode\":\"TRIANGLES\"}}" : ",\"mode\":\"ATTRIBUTES\"}}"});
             place += GlbFile::padded(size);
         }
@@ -2942,25 +2972,32 @@ inline void pad(Writer& writer, std::uint64_t size, char with) {
 /// Puts the elements of an array, each filled up to its stride.
 using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 
-/// Makes all arrays and compresses them. Errc::write_failed where that fails.
+/// Makes all arrays and compresses them, view by view. Errc::write_failed where that fails.
 [[nodiscard]] HMESH_COLD inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
-    std::vector<unsigned char> bytes;
+    std::vector<unsigned char> bytes, woven;
     const auto keep = [&](const void* from, std::size_t size) {
         const auto* first = static_cast<const unsigned char*>(from);
         bytes.insert(bytes.end(), first, first + size);
         return true;
     };
-    for (std::size_t i = 0; i < file.arrays.size(); ++i) {
-        const GlbArray& array = file.arrays[i];
-        bytes.clear();
-        bytes.reserve(static_cast<std::size_t>(array.bytes()));
-        Writer writer(keep);
-        fill(writer, i);
-        if (const Status status = writer.finish(); !status) return status;
+    for (const GlbView& view : file.views(true)) {
+        const GlbArray& head = file.arrays[view.first];
+        const auto count = static_cast<std::size_t>(head.count), stride = static_cast<std::size_t>(view.stride);
+        woven.resize(count * stride);
+        std::size_t offset = 0;
+        for (std::size_t i = view.first; i < view.end; ++i) {
+            bytes.clear();
+            bytes.reserve(static_cast<std::size_t>(file.arrays[i].bytes()));
+            Writer writer(keep);
+            fill(writer, i);
+            if (const Status status = writer.finish(); !status) return status;
+            const auto size = static_cast<std::size_t>(file.arrays[i].stride());
+            for (std::size_t k = 0; k < count; ++k)
+                std::copy_n(bytes.data() + k * size, size, woven.data() + k * stride + offset);
+            offset += size;
+        }
         std::vector<unsigned char>& out = file.compressed.emplace_back();
-        const GltfArray whole{bytes.data(), static_cast<std::size_t>(array.count), static_cast<std::size_t>(array.stride()),
-                              array.is_indices};
-        if (!compress(whole, out) || out.empty())
+        if (!compress({woven.data(), count, stride, head.is_indices}, out) || out.empty())
             return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
     }
     return {};
@@ -3036,8 +3073,8 @@ HMESH_COLD inline Status write_empty_glb(Sink sink) {
 /// Groups of channels (io/channel_groups.hpp) become COLOR_0, COLOR_1 and so on, NORMAL with TANGENT (1, 0, 0, 1), and _NAME of
 /// data. With a normal the material is lit.
 ///
-/// Smallest is a mesh in the order of pack_for_gpu(), ordered_for_gpu(), with positions of 16 bits, colours of 8, and compressed:
-/// some 8.5 bytes a vertex with all.
+/// Smallest is a mesh in the order of order_for_gpu(), with positions of 16 bits, colours of 8, and compressed: 8 to 9 bytes a
+/// vertex with all, of which 2.3 are indices. Attributes are interleaved then.
 ///
 /// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n); of what grows with the mesh, nothing is
 /// allocated unless there is alpha or a compressor.

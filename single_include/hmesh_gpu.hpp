@@ -455,9 +455,9 @@ struct Slab {
 
 namespace detail {
 
-/// Faces by where their centroids lie along the longer side of the mesh, in 65536 steps; in their order within a step. A sort by
-/// counting.
-[[nodiscard]] inline std::vector<Triangle> sorted_along(const MeshView& mesh, const std::vector<Triangle>& faces) {
+/// The numbers of faces by where their centroids lie along the longer side of the mesh, in 65536 steps; in their order within a
+/// step. A sort by counting.
+[[nodiscard]] inline std::vector<std::uint32_t> order_along(const MeshView& mesh, const std::vector<Triangle>& faces) {
     std::array<double, 2> low{}, extent{};
     for (std::size_t axis = 0; axis < 2; ++axis) {
         float least = mesh.positions[axis], most = least;
@@ -480,46 +480,73 @@ namespace detail {
         ++start[step[f] + std::size_t{1}];
     }
     for (std::size_t i = 0; i < steps; ++i) start[i + 1] += start[i];
-    std::vector<Triangle> sorted(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) sorted[start[step[f]]++] = faces[f];
-    return sorted;
+    std::vector<std::uint32_t> order(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f) order[start[step[f]]++] = static_cast<std::uint32_t>(f);
+    return order;
 }
 
-/// Cuts faces, in order, into parts of at most `most` vertices each.
-[[nodiscard]] inline std::vector<Slab> cut(const MeshView& mesh, const std::vector<Triangle>& faces, std::size_t most) {
-    std::vector<Slab> slabs(1);
-    std::vector<std::uint32_t> slab_of(mesh.vertex_count, no_index), place(mesh.vertex_count);  // the last one that uses a vertex
-    for (const Triangle& face : faces) {
-        auto slab = static_cast<std::uint32_t>(slabs.size() - 1);
+/// The part of each face, where they are cut in this order into parts of at most `most` vertices each.
+[[nodiscard]] inline std::vector<std::uint32_t> parts_of(const std::vector<Triangle>& faces,
+                                                         const std::vector<std::uint32_t>& order, std::size_t vertices,
+                                                         std::size_t most) {
+    std::vector<std::uint32_t> part_of(faces.size(), 0), last_user(vertices, no_index);
+    std::uint32_t part = 0;
+    std::size_t used = 0;
+    for (const std::uint32_t f : order) {
         std::size_t fresh = 0;
-        for (const std::uint32_t v : face) fresh += slab_of[v] != slab ? 1U : 0U;
-        if (slabs.back().vertices.size() + fresh > most) {
-            slabs.emplace_back();
-            ++slab;
+        for (const std::uint32_t v : faces[f]) fresh += last_user[v] != part ? 1U : 0U;
+        if (used + fresh > most) {
+            ++part;
+            used = 0;
+            fresh = 3;
         }
-        Slab& last = slabs.back();
-        for (const std::uint32_t v : face) {
-            if (slab_of[v] == slab) continue;
-            slab_of[v] = slab;
-            place[v] = static_cast<std::uint32_t>(last.vertices.size());
-            last.vertices.push_back(v);
-        }
-        last.faces.push_back({place[face[0]], place[face[1]], place[face[2]]});
+        used += fresh;
+        for (const std::uint32_t v : faces[f]) last_user[v] = part;
+        part_of[f] = part;
+    }
+    return part_of;
+}
+
+/// Faces in the parts that they are said to be of, 0 at least, in their order within each.
+[[nodiscard]] inline std::vector<Slab> distribute(const std::vector<Triangle>& faces, const std::vector<std::uint32_t>& part_of,
+                                                  std::size_t vertices) {
+    std::vector<std::size_t> sizes;
+    for (const std::uint32_t part : part_of) {
+        if (part >= sizes.size()) sizes.resize(part + std::size_t{1}, 0);
+        ++sizes[part];
+    }
+    std::vector<Slab> slabs(sizes.size());
+    for (std::size_t i = 0; i < slabs.size(); ++i) slabs[i].faces.reserve(sizes[i]);
+    for (std::size_t f = 0; f < faces.size(); ++f) slabs[part_of[f]].faces.push_back(faces[f]);
+    std::vector<std::uint32_t> place(vertices, no_index);
+    for (Slab& slab : slabs) {
+        for (Triangle& face : slab.faces)
+            for (std::uint32_t& v : face) {
+                if (place[v] == no_index) {
+                    place[v] = static_cast<std::uint32_t>(slab.vertices.size());
+                    slab.vertices.push_back(v);
+                }
+                v = place[v];
+            }
+        for (const std::uint32_t v : slab.vertices) place[v] = no_index;
     }
     return slabs;
 }
 
 }  // namespace detail
 
-/// Cuts faces of a mesh, at least one, each of three different corners, into slabs of at most `most` >= 3 vertices: one, in their
-/// order, if they have no more; else sorted by where they lie along the longer side. Of the mesh, only positions are read.
+/// Cuts faces of a mesh, at least one, each of three different corners, into slabs of at most `most` >= 3 vertices: one if they
+/// have no more; else by where they lie along the longer side. Within a slab they keep their order, which in meshes of this
+/// library is one in which neighbours are close in memory. Of the mesh, only positions are read.
 [[nodiscard]] inline std::vector<Slab> cut_into_slabs(const MeshView& mesh, const std::vector<Triangle>& faces,
                                                       std::size_t most) {
     std::vector<std::uint8_t> is_used(mesh.vertex_count, 0);
     for (const Triangle& face : faces)
         for (const std::uint32_t v : face) is_used[v] = 1;
     const auto used = static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), std::uint8_t{1}));
-    return detail::cut(mesh, used <= most ? faces : detail::sorted_along(mesh, faces), most);
+    std::vector<std::uint32_t> part_of(faces.size(), 0);
+    if (used > most) part_of = detail::parts_of(faces, detail::order_along(mesh, faces), mesh.vertex_count, most);
+    return detail::distribute(faces, part_of, mesh.vertex_count);
 }
 
 /// Which vertices of a mesh go into a buffer, in which order, and where the windows of its chunks lie.

@@ -73,6 +73,13 @@ TEST_CASE("slabs hold each face once, and their windows each vertex once") {
             CHECK(slabs.size() > 1);
             CHECK(slabs.size() <= 561 / (most - 24) + 1);  // less what two slabs share
             Faces faces = faces_of(slabs, most), all = mesh.faces;
+            std::size_t at = 0;
+            for (const auto& slab : slabs) {
+                auto next = mesh.faces.begin();  // each is found behind the one before: in the order that they have in the mesh
+                for (std::size_t f = 0; f < slab.faces.size() && next != mesh.faces.end(); ++f)
+                    next = std::find(next, mesh.faces.end(), faces[at++]);
+                CHECK(next != mesh.faces.end());
+            }
             std::sort(faces.begin(), faces.end());
             std::sort(all.begin(), all.end());
             CHECK(faces == all);

@@ -69,3 +69,16 @@ TEST_CASE("several meshes, primitives and materials are one file, whose arrays b
     CHECK(bytes[at + 56] == 3);
     CHECK(bytes[at + 100] == 5);
 }
+
+TEST_CASE("views interleave attributes where they are compressed, up to the longest stride of glTF") {
+    GlbFile file;
+    for (int i = 0; i < 70; ++i) file.arrays.push_back(array_of(GlbNumber::u8, 4, i < 65 ? 7 : 8));
+    file.arrays.push_back(array_of(GlbNumber::u16, 1, 8, true));
+    file.arrays.push_back(array_of(GlbNumber::f32, 3, 8));
+    CHECK(file.views(false).size() == 72);
+    const auto views = file.views(true);
+    REQUIRE(views.size() == 5);
+    const std::array<std::array<std::size_t, 3>, 5> wanted{{{0, 63, 252}, {63, 65, 8}, {65, 70, 20}, {70, 71, 2}, {71, 72, 12}}};
+    for (std::size_t i = 0; i < 5; ++i)
+        CHECK(std::array<std::size_t, 3>{views[i].first, views[i].end, static_cast<std::size_t>(views[i].stride)} == wanted[i]);
+}

@@ -131,7 +131,9 @@ class Glb:
         stride = view.get("byteStride", struct.calcsize(form))
         data = self.view(view, stride, accessor["count"])
         assert len(data) == view["byteLength"] == stride * accessor["count"]
-        values = [struct.unpack_from(form, data, i * stride) for i in range(accessor["count"])]
+        offset = accessor.get("byteOffset", 0)
+        assert offset % 4 == 0 and offset + struct.calcsize(form) <= stride
+        values = [struct.unpack_from(form, data, i * stride + offset) for i in range(accessor["count"])]
         return [tuple(x / most for x in value) for value in values] if accessor.get("normalized") else values
 
     def view(self, view, stride, count):

@@ -105,6 +105,24 @@ def test_weights_of_images_and_of_channels_move_the_psnr(maps):
     assert rough[0]["psnr"] < even[0]["psnr"]
 
 
+def test_balanced_weights_make_the_sum_of_the_psnrs_larger(maps):
+    images = "rock_albedo.png --with rock_normal.png --with rock_rough.png --vertices 150 "
+    even, balanced = [maps.report(images + more)["maps"] for more in ["", "--channel-weights balanced"]]
+    assert sum(one["psnr"] for one in balanced) > sum(one["psnr"] for one in even) + 1
+    weights = [one["weight"] for one in balanced]
+    assert max(weights) == 1 and min(weights) >= 1e-4 and len(set(weights)) > 1 and "weight" not in even[0]
+    # They are weights as one would give them, and told in the summary.
+    again = maps.report(images + "--channel-weights " + ",".join("%.17g" % weight for weight in weights))["maps"]
+    assert [one["psnr"] for one in again] == [one["psnr"] for one in balanced]
+    assert re.search(r"3 channels as normal, weight [0-9.e-]+$", maps.done(images + "--channel-weights balanced"), re.M)
+
+
+def test_a_map_of_one_value_does_not_take_all_of_the_balance(maps):
+    Image.new("L", (96, 64), 77).save("flat.png")
+    report = maps.report("rock_albedo.png --with flat.png --vertices 150 --channel-weights balanced")["maps"]
+    assert report[0]["weight"] == pytest.approx(1e-4) and report[0]["psnr"] > 20 and report[1]["psnr"] == "inf"
+
+
 def test_one_image_has_weights_of_its_channels(hmesh):
     plain, same, red = [hmesh.report("picture.png --vertices 100 " + more) for more in [
         "", "--channel-weights 2,2,2", "--channel-weights 1,0.01,0.01"]]
@@ -188,6 +206,8 @@ def test_more_than_16_channels_are_refused(hmesh):
     ("--with rock_rough.png -o rock_rough.png --format ply", "'rock_rough.png' would overwrite the input"),
     ("--with rock_rough.png -o x.ply --channel-weights 1,b", "has 'b', which is not a number"),
     ("--with rock_rough.png -o x.ply --channel-weights 0,0", "has no weight above 0"),
+    ("-o x.ply --channel-weights balanced", "--channel-weights balanced is given without --with"),
+    ("--with rock_rough.png -o x.ply --channel-weights balanced --psnr 30", "leave one of them out"),
     ("--with rock_rough.png -o x.ply --channel-weights 1,,1", "has '', which is not a number"),
     ("--with rock_rough.png --render - -o x.ply", "--render - names one")])
 def test_wrong_usage_of_maps_is_refused(maps, arguments, sentence):

@@ -85,6 +85,12 @@ project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=RATE;8" "-DOWN_OPTI
 meshes one one one two
 [ "$(vertices more/one.ply)" = 12 ] || fail "12 vertices were wanted"
 
+# Textures that tile: the mesh holds copies of the vertices on its border. One image says that it does not.
+project "$source/tests/package/meshes" "$@" -DRATE=8 "-DOWN_OPTIONS=--periodic;none" "-DMORE=VERTICES;30;PERIODIC;xy" ||
+    fail "PERIODIC cannot be configured"
+meshes one one one two
+[ "$(vertices more/one.ply)" = 30 ] && [ "$(vertices more/two.ply)" -gt 30 ] || fail "two.ply alone should be periodic"
+
 # Sprites, outlines and at most so many vertices. The images have no alpha: all of them is inside.
 project "$source/tests/package/meshes" "$@" -DRATE=8 -DOWN_OPTIONS= "-DMORE=OUTLINE;MAX_VERTICES;8;FORMAT;obj;glb" ||
     fail "OUTLINE cannot be configured"
@@ -131,6 +137,8 @@ check_refusals() {
     refuses "FORMAT 'xyz' is not $formats" "$@" "-DMORE=FORMAT;ply;xyz"
     efforts=$("$command" "$work/one.pgm" --effort Fast 2>&1 | sed -n "s/.*'Fast' is not //p") || true
     refuses "EFFORT 'Fast' is not $efforts" "$@" "-DMORE=EFFORT;Fast"
+    axes=$("$command" "$work/one.pgm" --periodic z 2>&1 | sed -n "s/.*'z' is not //p") || true
+    refuses "PERIODIC 'z' is not $axes" "$@" "-DMORE=PERIODIC;z"
     for rate in 0 -1 100.5 1,5 1e nan 5%; do
         refuses "RATE '$rate' must be a number above 0 and at most 100" "$@" "-DMORE=RATE;$rate"
     done
@@ -146,6 +154,7 @@ check_refusals() {
     done
     refuses "RATE and MAX_VERTICES cannot both be given" "$@" "-DMORE=RATE;5;MAX_VERTICES;50"
     refuses "SPRITE and OUTLINE cannot both be given" "$@" "-DMORE=SPRITE;OUTLINE"
+    refuses "SPRITE and PERIODIC cannot both be given" "$@" "-DMORE=SPRITE;PERIODIC;x"
     refuses "EFFORT means nothing to OUTLINE" "$@" "-DMORE=EFFORT;fast;OUTLINE"
     refuses "FORMAT 'svg' of an outline is not one of: ply, obj, glb" "$@" "-DMORE=FORMAT;svg;OUTLINE"
     refuses "OPTIONS: --lods says which files are made: it is LODS" "$@" "-DMORE=OPTIONS;--lods;3"
@@ -153,7 +162,7 @@ check_refusals() {
     refuses "HMESH_OPTIONS of $work/one.pgm: --outline says which files are made: it is OUTLINE" "$@" "-DOWN_OPTIONS=--outline"
     refuses "HMESH_OPTIONS of $work/one.pgm: '--sprite --seed 2' is one word to CMake" "$@" "-DOWN_OPTIONS=--sprite --seed 2"
     set -- "$@" -DOWN_OPTIONS=
-    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "PERIODIC;none" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
     done
 }

@@ -3,7 +3,7 @@
 // FILE is an .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it:
 // one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by
 // fingers on the screen of a phone. Of FILE.html#original only the original is taken, which the page holds to compare with.
-// Errors of the page, and anything that it asks the network for, make this fail. chromium.sh says what is needed.
+// Errors of the page, and anything that it asks the network for, make this fail. needs_chromium.sh says what is needed.
 'use strict';
 const { chromium } = require('playwright-core');
 const { readFileSync, writeFileSync } = require('fs');

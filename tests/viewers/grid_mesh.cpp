@@ -4,7 +4,8 @@
 // with 3 channels or 4, the fourth a wave of alpha. What viewers show of it tells what the exporters are worth, where thin
 // faces would tell what the viewers are. Writes mesh.ply, .obj, .glb, .pdf, .eps and .html, quantized.glb, plain.pdf and
 // plain.eps (not deflated), gradient.svg, exact.svg and flat.svg; of render()'s picture reference.png, reference4.png, four
-// times as large, and paper.png, over white. Prints bytes and processor time of each file, the best of five.
+// times as large, and paper.png, over white; of 4 channels layouts.json (gpu_layouts.hpp) too. Prints bytes and processor time of
+// each file, the best of five.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -16,6 +17,7 @@
 
 #include <hmesh/hmesh.hpp>
 
+#include "gpu_layouts.hpp"
 #include "scene.hpp"
 #include "writers/output_file.hpp"
 #include "writers/picture_file.hpp"
@@ -150,6 +152,8 @@ int main(int argc, char** argv) {
         return 2;
     }
     const hmesh::Mesh mesh = make_grid(channels, columns, rows);
-    const bool is_good = channels == 4 ? write_all<4>(mesh.view(), argv[1]) : write_all<3>(mesh.view(), argv[1]);
-    return is_good ? 0 : 1;
+    if (channels == 3) return write_all<3>(mesh.view(), argv[1]) ? 0 : 1;
+    Directory to(argv[1]);
+    to.put("layouts.json", [&](hmesh::Sink sink) { return GpuLayouts(sink).write(mesh); });
+    return write_all<4>(mesh.view(), argv[1]) && to.is_good() ? 0 : 1;
 }

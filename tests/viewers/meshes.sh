@@ -3,7 +3,7 @@
 #
 # usage: meshes.sh HMESH SCENE GRID_MESH TURNED DIRECTORY      the four programs; DIRECTORY is emptied
 #   DIRECTORY/scene   the scene of tools/pictures at 1 %, as the command fits and writes it
-#   DIRECTORY/grid    a mesh without thin faces (grid_mesh.cpp), and DIRECTORY/alpha with 4 channels
+#   DIRECTORY/grid    a mesh without thin faces (grid_mesh.cpp), and DIRECTORY/alpha with 4 channels, the latter as GPU buffers too
 #   DIRECTORY/points  of a slope whose samples are points the page, and the slope between them, as such pages show the original
 #   DIRECTORY/turned  of photographs in all orientations (turned.cpp) the page, and the mesh, exact but for JPEG's noise, drawn
 set -eu

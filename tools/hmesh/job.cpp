@@ -259,10 +259,20 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     options.channel_weights = inputs.channel_weights;
     if (!arguments.weights.empty()) options.weights = inputs.weights.view();
     const hmesh::ParallelFor parallel_for = *pool;
+    watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
+    if (arguments.balances_maps) {
+        MeshingOptions trial = options;
+        const auto go_on = [](const hmesh::ProgressInfo&) { return !interrupted; };
+        trial.progress = go_on;
+        balance_maps(image, trial, parallel_for, inputs.maps);
+        for (const Map& map : inputs.maps) arguments.channel_weights.push_back(map.weight);
+        if (std::string why = spread_weights(arguments.channel_weights, inputs.maps, image, options.channel_weights);
+            !why.empty())
+            return {why};
+    }
     const WrittenFiles files(arguments, image, options, parallel_for);
     const bool is_set = !inputs.maps.empty();
     if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
-    watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
     Made made;
     hmesh::Lods lods;
     if (options.bytes == 0) lods = mesh_levels(image, options, *pool);

@@ -12,8 +12,8 @@
 /// Groups of channels (io/channel_groups.hpp) become COLOR_0, COLOR_1 and so on, NORMAL with TANGENT (1, 0, 0, 1), and _NAME of
 /// data. With a normal the material is lit.
 ///
-/// Smallest is a mesh in the order of pack_for_gpu(), ordered_for_gpu(), with positions of 16 bits, colours of 8, and compressed:
-/// some 8.5 bytes a vertex with all.
+/// Smallest is a mesh in the order of order_for_gpu(), with positions of 16 bits, colours of 8, and compressed: 8 to 9 bytes a
+/// vertex with all, of which 2.3 are indices. Attributes are interleaved then.
 ///
 /// 20 bytes a vertex (16 quantised) and 6 a face, or 12 from 65,536 vertices on. O(n); of what grows with the mesh, nothing is
 /// allocated unless there is alpha or a compressor.

@@ -211,8 +211,12 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
              });
     add(app, "--channel-weights", "N",
         "numbers with commas between them: how much each image of the mesh counts, the first\n"
-        "before those of --with, or each channel of all (default: all the same)",
-        [&](const std::string& text) { return parse_weights(text, out.channel_weights); });
+        "before those of --with, or each channel of all (default: all the same); with --with\n"
+        "also balanced: such that a dB of each image counts the same, in some twice the time",
+        [&](const std::string& text) {
+            out.balances_maps = text == "balanced";
+            return out.balances_maps ? std::string() : parse_weights(text, out.channel_weights);
+        });
     add(app, "--grid", "N",
         "positions are multiples of 1/N px, N 4, 8, 16, 32, 64, 128 or 256 (default: 256, or as\n"
         "many as a packed .glb keeps): 16 makes smaller files",
@@ -404,7 +408,10 @@ Arguments for_image(Arguments all, const std::string& input) {
 // What is wrong with several maps for one mesh.
 std::string find_map_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
     const std::vector<OtherMap>& others = arguments.others;
+    if (arguments.balances_maps && others.empty()) return "--channel-weights balanced is given without --with";
     if (others.empty()) return {};
+    if (arguments.balances_maps && arguments.meshing.target.kind == hmesh::Target::Kind::psnr)
+        return "--channel-weights balanced goes by a number of vertices, and --psnr looks for one: leave one of them out";
     const auto is_shared = [](const OtherMap& other) { return !is_pattern(other.file); };
     if (inputs.size() > 1 && std::any_of(others.begin(), others.end(), is_shared))
         return "--with is given for " + std::to_string(inputs.size()) + " images: it needs {name} in it, which is that of each";

@@ -57,6 +57,7 @@ struct Arguments {
     std::vector<OtherMap> others;         // more maps of one material
     std::string name = "color";           // of the first, where there are others
     std::vector<double> channel_weights;  // one for each map or channel; empty: all alike
+    bool balances_maps = false;           // in their place such that a dB of each map counts the same
     std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
     hmesh::SvgKind svg = hmesh::SvgKind::gradient;

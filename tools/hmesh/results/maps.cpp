@@ -1,6 +1,7 @@
 #include "results/maps.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "arguments/map_names.hpp"
 #include "meshing.hpp"
@@ -51,6 +52,30 @@ std::string spread_weights(const std::vector<double>& weights, const std::vector
     }
     spread.resize(static_cast<std::size_t>(joined.channels), 0);
     return {};
+}
+
+void balance_maps(const ImageFile& joined, MeshingOptions options, const hmesh::ParallelFor& parallel_for,
+                  std::vector<Map>& maps) {
+    constexpr int rounds = 3;
+    constexpr double most = 100;    // dB, of a map that is exact
+    constexpr double least = 1e-4;  // of the largest: 16 bits keep a hundredth of their steps for such a map
+    options.effort = hmesh::Effort::draft;
+    options.levels = 1;
+    for (int round = 0; round < rounds; ++round) {
+        std::vector<double> weights;
+        weights.reserve(maps.size());
+        for (const Map& map : maps) weights.push_back(map.weight);
+        if (!spread_weights(weights, maps, joined, options.channel_weights).empty()) return;
+        const hmesh::Result trial = mesh_file(joined, options, parallel_for);
+        if (!trial.status) return;
+        measure_maps(trial.mesh, joined, options.weights, maps);
+        double largest = 0;
+        for (Map& map : maps) {
+            map.weight = std::pow(10, std::min(most, map.psnr) / 10) / map.channels;
+            largest = std::max(largest, map.weight);
+        }
+        for (Map& map : maps) map.weight = std::max(least, map.weight / largest);
+    }
 }
 
 std::vector<hmesh::ChannelGroup> groups_of(const std::vector<Map>& maps) {

@@ -7,9 +7,11 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/io/channel_groups.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "meshing.hpp"
 #include "readers/image_file.hpp"
 
 namespace tool {
@@ -19,7 +21,8 @@ struct Map {
     std::string file, name;
     hmesh::ChannelMeaning meaning = hmesh::ChannelMeaning::color;
     int first = 0, channels = 0;
-    double psnr = 0;  // dB, once it is measured
+    double psnr = 0;    // dB, once it is measured
+    double weight = 1;  // of each of its channels, where they are balanced
 };
 
 // The maps of images that were joined; the first is a colour, a name that ends in normal a normal, all else data. Returns "" or
@@ -30,6 +33,12 @@ struct Map {
 // is wrong, a sentence.
 [[nodiscard]] std::string spread_weights(const std::vector<double>& weights, const std::vector<Map>& maps,
                                          const ImageFile& joined, std::vector<double>& spread);
+
+// Gives maps the weights with which a dB of each counts the same, the largest 1, which makes the sum of their PSNRs largest. Each
+// is 1 over the squared error of its map, and found by three meshes of effort draft, each with the weights found before: a sum of
+// logarithms falls where its tangent does (majorize, minimize). Ends early where a mesh cannot be made.
+void balance_maps(const ImageFile& joined, MeshingOptions options, const hmesh::ParallelFor& parallel_for,
+                  std::vector<Map>& maps);
 
 // As exporters take them. Refers to the maps.
 [[nodiscard]] std::vector<hmesh::ChannelGroup> groups_of(const std::vector<Map>& maps);

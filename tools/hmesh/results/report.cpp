@@ -44,15 +44,17 @@ Json stage_value(const hmesh::StageReport& stage, double seconds) {
 }
 
 // null where there is one image.
-Json map_values(const std::vector<Map>& maps) {
+Json map_values(const std::vector<Map>& maps, bool are_balanced) {
     constexpr const char* meanings[] = {"color", "normal", "data"};
     Json values = maps.empty() ? Json() : Json::array();
-    for (const Map& map : maps)
+    for (const Map& map : maps) {
         values.push_back({{"file", map.file},
                           {"name", map.name},
                           {"meaning", meanings[static_cast<std::size_t>(map.meaning)]},
                           {"channels", map.channels},
                           {"psnr", psnr_value(map.psnr)}});
+        if (are_balanced) values.back()["weight"] = map.weight;
+    }
     return values;
 }
 
@@ -121,7 +123,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"psnr_convention", psnr_convention(arguments)},
                          {"psnr_written", files},
                          {"levels", levels},
-                         {"maps", map_values(made.maps)},
+                         {"maps", map_values(made.maps, arguments.balances_maps)},
                          {"psnr_glb", light ? psnr_value(is_each ? light->psnr : light->stored_psnr) : Json()},
                          {"psnr_glb_fitted", light ? psnr_value(light->psnr) : Json()},
                          {"energy", outcome.report.energy},

@@ -24,9 +24,12 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
                      100 * sprite->area / (static_cast<double>(image.width) * image.height));
     std::fprintf(to, "\n");
     std::fprintf(to, "PSNR      %s (%s)\n", psnr_text(outcome.report.psnr).c_str(), psnr_formula(arguments).c_str());
-    for (const Map& map : made.maps)
-        std::fprintf(to, "PSNR      %s of %s, %d channel%s as %s\n", psnr_text(map.psnr).c_str(), input_words(map.file).c_str(),
+    for (const Map& map : made.maps) {
+        std::fprintf(to, "PSNR      %s of %s, %d channel%s as %s", psnr_text(map.psnr).c_str(), input_words(map.file).c_str(),
                      map.channels, map.channels == 1 ? "" : "s", map.name.c_str());
+        if (arguments.balances_maps) std::fprintf(to, ", weight %.2g", map.weight);
+        std::fprintf(to, "\n");
+    }
     if (light && arguments.meshing.fit_space == FitSpace::each)
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light\n", psnr_text(light->psnr).c_str());
     else if (light)
