@@ -306,7 +306,7 @@ TEST_CASE("colours of 8 bits are rounded linear light") {
     for (std::size_t v = 0; v < 4; ++v)
         for (std::size_t k = 0; k < 4; ++k) {
             const double share = static_cast<double>(10 * v + k) / 255;
-            const long wanted = k == 3 ? std::lround(share * 255) : std::lround(to_linear_light(share) / 257.0);
+            const auto wanted = k == 3 ? std::lround(share * 255) : std::lround(to_linear_light(share) / 257.0);
             CHECK(number_at<std::uint8_t>(bytes, colors_at + 4 * v + k) == wanted);
         }
     for (const int bits : {0, 7, 9, 32, -8}) {

@@ -72,6 +72,7 @@ def test_images_that_share_a_column_share_its_vertices(hmesh):
     ("--samples points --periodic x", "--samples points is given with --periodic, whose samples are squares"),
     ("--border-tolerance 3", "--border-tolerance is given without --samples points"),
     ("--samples points --border-tolerance -1", "--border-tolerance"),
+    ("--samples points --border-tolerance 3 --channel-weights 1,1,1", "--border-tolerance is given with --channel-weights"),
     ("--samples points --border-tolerance 3 --method xie", "--border-tolerance means nothing to --method xie"),
     ("--samples points --outline", "--samples means nothing to --outline")])
 def test_points_that_make_no_sense_are_refused(hmesh, options, sentence):

@@ -536,7 +536,7 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         return "--samples points is given with --periodic, whose samples are squares";
     if (arguments.meshing.border_tolerance && arguments.meshing.samples != hmesh::Samples::points)
         return "--border-tolerance is given without --samples points";
-    if (arguments.meshing.border_tolerance && !arguments.meshing.channel_weights.empty())
+    if (arguments.meshing.border_tolerance && app.count("--channel-weights") != 0)
         return "--border-tolerance is given with --channel-weights, which sides of the mesh do not know";
     for (const char* option : {"--effort", "--seed", "--tile", "--periodic", "--border-tolerance"})
         if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
