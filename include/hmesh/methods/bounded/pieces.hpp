@@ -116,7 +116,7 @@ class BoundedPieces {
         const auto tiling = [&](bool shift_x, bool shift_y) { return Tiling(width, height, bounded_tile, shift_x, shift_y); };
         const Tiling first = tiling(false, false);
         const bool is_whole = first.size() == 1;
-        const bool is_draft = recipe_.effort == Bounded::Effort::draft;
+        const bool is_draft = recipe_.effort == Bounded::Effort::draft || recipe_.inside_error == 0;
         if (!progress_->begin("insertion", 0, 0)) return {};
         progress_->set_range(0, 1);
         std::vector<detail::SheetPiece> pieces(first.size());
