@@ -413,7 +413,8 @@ void try_tiles(double scale, double far, std::initializer_list<double> bounds, b
     }
     for (double bound : bounds) {
         for (const Terrain<T>& tile : tiles) {
-            const hmesh::Result result = hmesh::mesh_image(tile.view(), options_of(tile, Samples::points), {bound, Effort::draft});
+            const hmesh::Result result =
+                hmesh::mesh_image(tile.view(), options_of(tile, Samples::points), {bound, Effort::draft});
             CHECK((result.status || result.status.limit > bound));
             if (!result.status) bound = result.status.limit;
         }
@@ -474,7 +475,8 @@ TEST_CASE("the inside may have a bound of its own, which leaves the border as it
             for (int j = 1; j < 22; ++j)
                 for (int i = 1; i < 30; ++i) {
                     const auto line = line_of(result.mesh, 1, static_cast<float>(j));
-                    const std::pair<float, float> sample{static_cast<float>(i), terrain.samples[static_cast<std::size_t>(31 * j + i)]};
+                    const std::pair<float, float> sample{static_cast<float>(i),
+                                                         terrain.samples[static_cast<std::size_t>(31 * j + i)]};
                     CHECK(std::find(line.begin(), line.end(), sample) != line.end());
                 }
         }

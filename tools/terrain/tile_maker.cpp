@@ -29,7 +29,7 @@ struct Attempt {
 
 // What is tried until a file keeps the bound. Faces of `best` may be steep where no sample is, and there rounding a place is an
 // error of heights that a tighter bound hardly makes smaller: of 15 bits it takes `normal` then, whose borders are the same. The
-// last attempt, which has borders of its own, is the same for all bounds: what it keeps is the smallest bound that surely is kept.
+// last attempt has borders of its own and is the same for all bounds: what it is off by is the smallest that surely is kept.
 std::vector<Attempt> attempts(Effort effort, bool is_globe, bool is_hopeless) {
     const double of_borders = is_globe ? share_of_borders_of_globe : share_of_borders;
     std::vector<Attempt> all;

@@ -81,7 +81,8 @@ namespace detail {
         return recipe.free_borders ? error : std::min(error, recipe.border_error);
     };
     kit::BoundedLimits limits;
-    limits.inside = bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
+    limits.inside =
+        bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
     limits.seams = border(limits.inside);
     for (int k = 0; k < kit::image_sides; ++k)
         limits.sides[k] = recipe.free_borders ? limits.seams : border(bounded_limit(field.rounding_along[k], recipe.max_error));
@@ -92,7 +93,8 @@ namespace detail {
 HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimits& limits) noexcept {
     if (field.samples == Samples::squares) return;  // none is on the border
     for (int k = 0; k < kit::image_sides; ++k) {
-        const double most = limits.sides[k] * (1 - kit::border_margin) * (1 + 1e-12);  // 1e-12: for rounding here and there
+        constexpr double rounding = 1e-12;  // here and there
+        const double most = limits.sides[k] * (1 - kit::border_margin) * (1 + rounding);
         field.room[k] = std::max(0.0, most - limits.inside);
     }
 }
@@ -116,7 +118,8 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
     return mesh;
 }
 
-/// mesh_image() with Bounded, for all types of samples; gives the field its room. Those that the mesh is proved against are read by `read`.
+/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`. Gives the field
+/// its room.
 [[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(kit::HeightField& field, const Options& options,
                                                                        const Bounded& recipe, double peak,
                                                                        const kit::ReadSamples& read,

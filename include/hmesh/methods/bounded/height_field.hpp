@@ -47,12 +47,12 @@ enum ImageSide { top_side, bottom_side, left_side, right_side, image_sides };
 
 /// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
 struct HeightField {
-    int width = 0,                            ///< samples in a row
-        height = 0,                           ///< rows
-        channels = 1;                         ///< 1 to 4
-    Samples samples = Samples::squares;       ///< where samples stand
-    Rounding rounding,                        ///< of all samples
-        rounding_along[image_sides];          ///< of those along each side
+    int width = 0,                       ///< samples in a row
+        height = 0,                      ///< rows
+        channels = 1;                    ///< 1 to 4
+    Samples samples = Samples::squares;  ///< where samples stand
+    Rounding rounding,                   ///< of all samples
+        rounding_along[image_sides];     ///< of those along each side
     /// How much more than others the samples along each side may be off, in stored values: where the border, which follows from
     /// them alone, may be off by more than the inside, which others have a say in.
     double room[image_sides] = {};

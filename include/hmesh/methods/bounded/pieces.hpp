@@ -96,8 +96,8 @@ struct SheetPiece {
 
 /// What face_error() may be, and what the border may be off.
 struct BoundedLimits {
-    double inside = 0;              ///< face_error()
-    double seams = 0;               ///< of the border of a tile, where it is none of the image
+    double inside = 0;               ///< face_error()
+    double seams = 0;                ///< of the border of a tile, where it is none of the image
     double sides[image_sides] = {};  ///< of the border of the image
 };
 
