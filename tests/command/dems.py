@@ -201,10 +201,10 @@ def read_model(name):
 
 
 # ---- the judge ----
-def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6):
-    """The largest |surface - sample|, having looked that the faces are turned right, do not overlap, hang together along all edges but
-    those around what has data, cover all cells of data and no sample without. `place` takes a vertex to (column, row from the north, height). Samples within `slack` of a border are held
-    against the nearest point of it."""
+def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6, may_be_open=lambda x, y: False):
+    """The largest |surface - sample|, having looked that the faces are turned right, do not overlap, hang together along all edges
+    but those around what has data and those at places that may be open, cover all cells of data and no sample without. `place` takes
+    a vertex to (column, row from the north, height). Samples within `slack` of a border are held against the nearest point of it."""
     width, height = len(heights[0]), len(heights)
     points = [place(*vertex) for vertex in model.vertices]
     errors, area, edges = {}, 0, {}
@@ -244,6 +244,8 @@ def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6):
             continue
         for share in (0.25, 0.5, 0.75):
             x, y = (points[a][k] + share * (points[b][k] - points[a][k]) for k in (0, 1))
+            if may_be_open(x, y):
+                continue
             around = [(math.floor(x + dx), math.floor(y + dy)) for dx in (-slack, slack) for dy in (-slack, slack)]
             assert not all(is_cell(*cell) for cell in around), f"an edge at ({x}, {y}) has one face, and data on both sides"
     cells = 0

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import FORMATS, contents, is_failure, is_png, is_whole, ply_header, program, read, rows
+from conftest import FORMATS, as_others, contents, is_failure, is_png, is_whole, ply_header, program, read, rows
 
 FAILURES = rows("""
     'missing.png'                                     | missing.png -o keep.ply
