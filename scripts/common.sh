@@ -158,10 +158,10 @@ install_packages() {
 # Of Playwright only the library: it drives the system's Chromium.
 need_node_modules() {
     export NODE_PATH=$1/node_modules${NODE_PATH:+:$NODE_PATH}
-    ! node -e 'require("gltf-validator"), require("playwright-core")' 2>/dev/null || return 0
-    printf 'Installing gltf-validator and playwright-core into %s ...\n' "$1"
+    ! node -e 'require("gltf-validator"), require("playwright-core"), require("@here/quantized-mesh-decoder")' 2>/dev/null || return 0
+    printf 'Installing gltf-validator, playwright-core and quantized-mesh-decoder into %s ...\n' "$1"
     mkdir -p "$1"
     env PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 npm install --prefix "$1" --no-save --no-audit --no-fund \
-        gltf-validator@2.0.0-dev.3.10 playwright-core@1.65.1 >"$1/npm.log" 2>&1 </dev/null ||
+        gltf-validator@2.0.0-dev.3.10 playwright-core@1.65.1 @here/quantized-mesh-decoder@1.2.8 >"$1/npm.log" 2>&1 </dev/null ||
         printf 'They could not be installed, see %s: tests that need them will be skipped.\n' "$1/npm.log" >&2
 }

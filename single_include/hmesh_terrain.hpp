@@ -1337,7 +1337,8 @@ inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& sa
 /// HeightField: the samples that a bounded mesh keeps to, as planes of floats, with what has no data.
 ///
 /// A copy of the image, so that all that follows is compiled once for all types of samples: 4 bytes a sample and channel, and
-/// one for the mask where there is one. What rounding to float takes is known (slack) and comes off the bound.
+/// one for the mask where there is one. What rounding to float takes is known, of all samples and of those along each side, and
+/// comes off the bound.
 #ifndef HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
 #define HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
 
@@ -1352,14 +1353,36 @@ namespace hmesh::kit {
 /// The most channels that are kept within a bound.
 inline constexpr int max_bounded_channels = 4;
 
+/// What rounding to floats takes of some samples.
+struct Rounding {
+    double slack = 0;    ///< largest |float - sample|
+    double largest = 0;  ///< largest |sample| with data
+    /// One sample more.
+    void add(double sample, float rounded) noexcept {
+        slack = std::max(slack, std::abs(static_cast<double>(rounded) - sample));
+        largest = std::max(largest, std::abs(sample));
+    }
+    /// The samples of another one, too.
+    void add(const Rounding& other) noexcept {
+        slack = std::max(slack, other.slack);
+        largest = std::max(largest, other.largest);
+    }
+};
+
+/// The sides of an image, in the order of arrays that have something for each.
+enum ImageSide { top_side, bottom_side, left_side, right_side, image_sides };
+
 /// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
 struct HeightField {
-    int width = 0,                            ///< samples in a row
-        height = 0,                           ///< rows
-        channels = 1;                         ///< 1 to 4
-    Samples samples = Samples::squares;       ///< where samples stand
-    double slack = 0;                         ///< largest |float - sample|
-    double largest = 0;                       ///< largest |sample| with data
+    int width = 0,                       ///< samples in a row
+        height = 0,                      ///< rows
+        channels = 1;                    ///< 1 to 4
+    Samples samples = Samples::squares;  ///< where samples stand
+    Rounding rounding,                   ///< of all samples
+        rounding_along[image_sides];     ///< of those along each side
+    /// How much more than others the samples along each side may be off, in stored values: where the border, which follows from
+    /// them alone, may be off by more than the inside, which others have a say in.
+    double room[image_sides] = {};
     float lowest[max_bounded_channels] = {},  ///< of each channel the lowest sample with data, as float; 0 without any
         highest[max_bounded_channels] = {};   ///< and the highest
     int bad_row = -1;                         ///< a row with a sample that has data and is no finite float; or -1
@@ -1381,6 +1404,16 @@ struct HeightField {
     [[nodiscard]] bool has_data(int i, int j) const noexcept {
         return data.empty() ||
                data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+    }
+    /// Whether some of the samples [begin, end) of row j may be off by more than others.
+    [[nodiscard]] bool has_room(int j, int begin, int end) const noexcept {
+        return (j == 0 && room[top_side] > 0) || (j == height - 1 && room[bottom_side] > 0) ||
+               (begin == 0 && room[left_side] > 0) || (end == width && room[right_side] > 0);
+    }
+    /// How much more than others sample (i, j) may be off.
+    [[nodiscard]] double room_at(int i, int j) const noexcept {
+        return std::max({j == 0 ? room[top_side] : 0, j == height - 1 ? room[bottom_side] : 0, i == 0 ? room[left_side] : 0,
+                         i == width - 1 ? room[right_side] : 0});
     }
     /// Whether unit square [i, i + 1] x [j, j + 1] of the plane is a cell of data: for points its four samples have data, for
     /// squares the one in its middle. False outside.
@@ -1413,7 +1446,7 @@ template <class T, int C>
     field.values.resize(width * rows * C + 16);
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
-    Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<Rounding> rounding(rows), left(rows), right(rows);
     Array<float> lowest(rows * C, huge), highest(rows * C, -huge);
     Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
@@ -1437,8 +1470,9 @@ template <class T, int C>
                         bad[j] = 1;
                         continue;
                     }
-                    slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
-                    largest[j] = std::max(largest[j], std::abs(value[c]));
+                    rounding[j].add(value[c], rounded);
+                    if (i == 0) left[j].add(value[c], rounded);
+                    if (i + 1 == width) right[j].add(value[c], rounded);
                     lowest[j * C + c] = std::min(lowest[j * C + c], rounded);
                     highest[j * C + c] = std::max(highest[j * C + c], rounded);
                 }
@@ -1447,11 +1481,14 @@ template <class T, int C>
     });
     bool has_holes = false;
     for (std::size_t j = 0; j < rows; ++j) {
-        field.slack = std::max(field.slack, slack[j]);
-        field.largest = std::max(field.largest, largest[j]);
+        field.rounding.add(rounding[j]);
+        field.rounding_along[left_side].add(left[j]);
+        field.rounding_along[right_side].add(right[j]);
         has_holes = has_holes || holes[j] != 0;
         if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
     }
+    field.rounding_along[top_side] = rounding[0];
+    field.rounding_along[bottom_side] = rounding[rows - 1];
     if (!has_holes) field.data = {};
     for (std::size_t c = 0; c < C; ++c) {
         float low = huge, high = -huge;
@@ -1503,6 +1540,10 @@ struct Bounded {
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
     double border_error = std::numeric_limits<double>::infinity();
+    /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
+    /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
+    /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
+    double inside_error = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
@@ -1511,6 +1552,8 @@ struct Bounded {
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
     if (!(recipe.border_error >= 0))
         return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
+    if (!(recipe.inside_error >= 0))
+        return {Errc::invalid_argument, "inside_error must be at least 0, in stored values", recipe.inside_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
     return {};
@@ -1704,6 +1747,7 @@ struct Wide {
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace hmesh::kit {
@@ -1757,7 +1801,7 @@ HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a,
 
 /// The worst sample of a face.
 struct WorstSample {
-    double error = 0;  ///< |face - sample|, the largest of all channels; what rounding itself may leave counts as 0
+    double error = 0;  ///< face_error(); what rounding itself may leave counts as 0
     int i = -1,        ///< column; -1: no sample differs
         j = -1;        ///< row
 };
@@ -1810,11 +1854,31 @@ struct ScaledPlane {
     return most.largest();
 }
 
-/// The largest |face - sample| of the positively oriented face (a, b, c), in any channel; any number above `enough` where it is
-/// larger than that.
+/// largest_difference() of samples [begin, end) of row j, less the room that the field gives them, times area.
+[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline double difference_beyond_room(const HeightField& field,
+                                                                                 const ScaledPlane& plane, int channel, int j,
+                                                                                 int begin, int end) noexcept {
+    double most = 0;
+    for (int i = begin; i < end; ++i) {
+        const double rise = static_cast<double>(field.row(channel, j)[i]) - plane.base;
+        const double off = std::abs(plane.at(i, j, field.offset()) - plane.area * rise);
+        most = std::max(most, off - field.room_at(i, j) * plane.area);
+    }
+    return most;
+}
+
+/// The same for any row, fast where the field gives no room.
+[[nodiscard]] HMESH_ALWAYS_INLINE double row_difference(const HeightField& field, const ScaledPlane& plane, int channel, int j,
+                                                        int begin, int end) noexcept {
+    if (field.has_room(j, begin, end)) return difference_beyond_room(field, plane, channel, j, begin, end);
+    return largest_difference(plane, field.row(channel, j), plane.at(begin, j, field.offset()), begin, end);
+}
+
+/// The largest |face - sample| of the positively oriented face (a, b, c), in any channel, less the room that the field gives
+/// samples along its sides; any number above `enough` where it is larger than that.
 [[nodiscard]] HMESH_NEVER_INLINE inline double face_error(const HeightField& field, const Corner& a, const Corner& b,
                                                           const Corner& c, double enough) noexcept {
-    const double area = orient2d(a.position, b.position, c.position), offset = field.offset();
+    const double area = orient2d(a.position, b.position, c.position);
     double worst = 0;
     for (int channel = 0; channel < field.channels && worst <= enough; ++channel) {
         const ScaledPlane plane(a, b, c, area, channel);
@@ -1823,7 +1887,7 @@ struct ScaledPlane {
         double most = 0;
         for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
             if (most > too_much) return;
-            most = std::max(most, largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end));
+            most = std::max(most, row_difference(field, plane, channel, j, begin, end));
         });
         worst = std::max(worst, most / area - plane.slack);
     }
@@ -1840,7 +1904,7 @@ struct ScaledPlane {
         double most = (worst.error + plane.slack) * area;
         int first = 0, last = 0, row = -1;
         for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
-            const double here = largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end);
+            const double here = row_difference(field, plane, channel, j, begin, end);
             if (!(here > most)) return;
             most = here;
             first = begin, last = end, row = j;
@@ -1848,10 +1912,11 @@ struct ScaledPlane {
         if (row < 0) continue;
         worst = {most / area - plane.slack, first, row};
         // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
-        double largest = -1;
+        double largest = -std::numeric_limits<double>::infinity();
         for (int i = first; i < last; ++i) {
             const double difference =
-                std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base));
+                std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base)) -
+                field.room_at(i, row) * area;
             if (difference > largest) largest = difference, worst.i = i;
         }
     }
@@ -2094,6 +2159,9 @@ struct SideLine {
         end;          ///< to here, > begin
 };
 
+/// The share of its limit that a border keeps back: what is within the rest stays so when others round otherwise.
+inline constexpr double border_margin = 1e-6;
+
 namespace detail {
 
 /// A height field along a line: what stands where.
@@ -2182,14 +2250,17 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
     Array<State> states(n * levels);
     const double step = limit * 0.999 / middle;
     const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
-    const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
     const auto at = [&](std::size_t k, int level) { return k * levels + static_cast<std::size_t>(level); };
+    Array<float> heights(n * levels);
+    for (std::size_t k = 0; k < n; ++k)
+        for (int level = 0; level < levels; ++level)
+            heights[at(k, level)] = static_cast<float>(sample(k) + step * (level - middle));
     states[at(0, middle)].links = 0;
     for (std::size_t i = 0; i + 1 < n; ++i)
         for (int level = 0; level < levels; ++level) {
             const State state = states[at(i, level)];
             if (state.links >= 1e30F) continue;
-            const auto z = static_cast<double>(height(i, level));
+            const auto z = static_cast<double>(heights[at(i, level)]);
             double low = -1e300, high = 1e300;  // slopes that keep all samples since within the limit
             for (std::size_t k = i + 1; k < n; ++k) {
                 const double run = profile.place[first + k] - profile.place[first + i], above = sample(k) - z;
@@ -2198,6 +2269,9 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
                 const int end = highest < levels ? static_cast<int>(std::max(highest, -1.0) + 1) : levels;
                 for (int to = begin; to < end; ++to) {
                     if (k + 1 == n && to != middle) continue;
+                    // A height is a float: one that rounding has taken from its level too far is left out.
+                    const double rise = static_cast<double>(heights[at(k, to)]) - z;
+                    if (rise < low * run || rise > high * run || std::abs(rise - above) > limit) continue;
                     const float off = static_cast<float>(to - middle) / middle;
                     const float links = state.links + 1 + 2 * off * off;
                     State& next = states[at(k, to)];
@@ -2210,7 +2284,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         }
     for (auto k = static_cast<std::uint32_t>(at(n - 1, middle)); k != none; k = states[k].from) {
         keep[first + k / levels] = 1;
-        profile.chosen[first + k / levels] = height(k / levels, static_cast<int>(k % levels));
+        profile.chosen[first + k / levels] = heights[k];
     }
 }
 
@@ -2223,7 +2297,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
 [[nodiscard]] HMESH_COLD inline Array<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
                                                             bool lift) {
     detail::Profile profile = detail::profile(field, line);
-    limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
+    limit *= 1 - border_margin;
     const std::size_t n = profile.place.size();
     Array<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
@@ -2326,14 +2400,18 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
 
 }  // namespace detail
 
-/// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
-/// Empty where no cell has data.
-[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
+/// The first mesh of a rectangle of the plane: sides as side_vertices() has them, within a limit for each in the order of
+/// ImageSide, all faces in cells of data. Freedoms are 0. Empty where no cell has data.
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, const double (&limits)[image_sides],
+                                                  bool lift) {
     Array<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
-    for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
-                                 SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const Array<Corner> side = side_vertices(field, line, limit, lift);
+    const SideLine lines[image_sides] = {{false, rect.y, rect.x, right},
+                                         {false, bottom, rect.x, right},
+                                         {true, rect.x, rect.y, bottom},
+                                         {true, right, rect.y, bottom}};
+    for (int k = 0; k < image_sides; ++k) {
+        const Array<Corner> side = side_vertices(field, lines[k], limits[k], lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.
@@ -2881,7 +2959,7 @@ class BoundedRelaxation {
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
     /// what they can.
     [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
-        return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
+        return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->rounding.largest));
     }
     /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
     double least_gain = 0.02;
@@ -3434,13 +3512,20 @@ struct SheetPiece {
 
 }  // namespace detail
 
+/// What face_error() may be, and what the border may be off.
+struct BoundedLimits {
+    double inside = 0;               ///< face_error()
+    double seams = 0;                ///< of the border of a tile, where it is none of the image
+    double sides[image_sides] = {};  ///< of the border of the image
+};
+
 /// Meshes a field in tiles.
 class BoundedPieces {
   public:
-    /// Of this field, within `limit`.
-    BoundedPieces(const HeightField& field, double limit, const Bounded& recipe, ProgressReporter& progress,
+    /// Of this field, within these limits.
+    BoundedPieces(const HeightField& field, const BoundedLimits& limits, const Bounded& recipe, ProgressReporter& progress,
                   const ParallelFor& parallel_for)
-        : field_(&field), limit_(limit), recipe_(recipe), progress_(&progress), parallel_for_(parallel_for) {}
+        : field_(&field), limits_(limits), recipe_(recipe), progress_(&progress), parallel_for_(parallel_for) {}
 
     /// The mesh, or what there was of it that holds when progress said stop: an empty one while samples were being inserted.
     /// `energy` gives that of a sheet, for progress.
@@ -3449,7 +3534,7 @@ class BoundedPieces {
         const auto tiling = [&](bool shift_x, bool shift_y) { return Tiling(width, height, bounded_tile, shift_x, shift_y); };
         const Tiling first = tiling(false, false);
         const bool is_whole = first.size() == 1;
-        const bool is_draft = recipe_.effort == Bounded::Effort::draft;
+        const bool is_draft = recipe_.effort == Bounded::Effort::draft || recipe_.inside_error == 0;
         if (!progress_->begin("insertion", 0, 0)) return {};
         progress_->set_range(0, 1);
         std::vector<detail::SheetPiece> pieces(first.size());
@@ -3481,11 +3566,11 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        // limit_ is less than the bound by what the largest sample of all costs, which a neighbour does not know: sides, which
-        // keep to a millionth less, need none of that where it is less.
-        double side = recipe_.max_error * (1 - 1e-6) < limit_ ? recipe_.max_error : limit_;
-        if (!recipe_.free_borders) side = std::min(side, recipe_.border_error);
-        Sheet sheet = first_sheet(*field_, rect, side, recipe_.effort >= Bounded::Effort::normal);
+        const bool is_side[image_sides] = {rect.y == 0, rect.y + rect.height == field_->bottom(), rect.x == 0,
+                                           rect.x + rect.width == field_->right()};
+        double limits[image_sides];
+        for (int k = 0; k < image_sides; ++k) limits[k] = is_side[k] ? limits_.sides[k] : limits_.seams;
+        Sheet sheet = first_sheet(*field_, rect, limits, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;
@@ -3493,14 +3578,14 @@ class BoundedPieces {
                 sheet.freedom[v] = is_locked;
         }
         if (sheet.faces.empty()) return sheet;
-        BoundedMesh mesh(*field_, limit_, sheet, task);
+        BoundedMesh mesh(*field_, limits_.inside, sheet, task);
         GreedyInsertion(mesh).run();
         return mesh.sheet();
     }
     void shrink_piece(detail::SheetPiece& piece, double share, int passes) const {
         if (piece.sheet.faces.empty()) return;
         TaskProgress task(*progress_, share);
-        BoundedMesh mesh(*field_, limit_, piece.sheet, task);
+        BoundedMesh mesh(*field_, limits_.inside, piece.sheet, task);
         shrink(mesh, recipe_.effort, passes);
         Array<std::uint32_t> origin;
         for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
@@ -3550,7 +3635,7 @@ class BoundedPieces {
     }
 
     const HeightField* field_;
-    double limit_;
+    BoundedLimits limits_;
     Bounded recipe_;
     ProgressReporter* progress_;
     ParallelFor parallel_for_;
@@ -3766,14 +3851,39 @@ namespace detail {
     return {};
 }
 
-/// What face_error() may be, so that others who calculate it come to max_error at most; -1 where rounding of samples to floats
-/// takes all of it.
-[[nodiscard]] inline double bounded_limit(const kit::HeightField& field, double max_error) noexcept {
-    if (max_error < field.slack) return -1;
-    const double room = max_error - field.slack;
+/// What face_error() may be at samples of this rounding, so that others who calculate it come to max_error at most, which is not
+/// below rounding.slack.
+[[nodiscard]] inline double bounded_limit(const kit::Rounding& rounding, double max_error) noexcept {
+    const double room = max_error - rounding.slack;
     // Others may round heights, coordinates and their sums in double otherwise: some 2^-52 of the largest height for each.
-    const double margin = field.largest * (16.0 / 4503599627370496.0);
+    const double margin = rounding.largest * (16.0 / 4503599627370496.0);
     return room > 2 * margin ? room - margin : 0;
+}
+
+/// The limits of a mesh of this field. Those of the sides follow from the samples along them alone.
+[[nodiscard]] HMESH_COLD inline kit::BoundedLimits bounded_limits(const kit::HeightField& field, const Bounded& recipe) noexcept {
+    // The margin that a border keeps to its limit leaves nothing for that of rounding where this is less.
+    const auto border = [&](double limit) {
+        const double error = recipe.max_error * (1 - kit::border_margin) < limit ? recipe.max_error : limit;
+        return recipe.free_borders ? error : std::min(error, recipe.border_error);
+    };
+    kit::BoundedLimits limits;
+    limits.inside =
+        bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
+    limits.seams = border(limits.inside);
+    for (int k = 0; k < kit::image_sides; ++k)
+        limits.sides[k] = recipe.free_borders ? limits.seams : border(bounded_limit(field.rounding_along[k], recipe.max_error));
+    return limits;
+}
+
+/// Lets samples along the sides be off by what the border is, where that is more than the inside may be.
+HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimits& limits) noexcept {
+    if (field.samples == Samples::squares) return;  // none is on the border
+    for (int k = 0; k < kit::image_sides; ++k) {
+        constexpr double rounding = 1e-12;  // here and there
+        const double most = limits.sides[k] * (1 - kit::border_margin) * (1 + rounding);
+        field.room[k] = std::max(0.0, most - limits.inside);
+    }
 }
 
 /// A sheet as a mesh with samples of this peak.
@@ -3795,18 +3905,20 @@ namespace detail {
     return mesh;
 }
 
-/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`.
-[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(const kit::HeightField& field, const Options& options,
+/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`. Gives the field
+/// its room.
+[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(kit::HeightField& field, const Options& options,
                                                                        const Bounded& recipe, double peak,
                                                                        const kit::ReadSamples& read,
                                                                        const ParallelFor& parallel_for) {
     Result result;
-    const double limit = bounded_limit(field, recipe.max_error);
-    if (limit < 0) {
+    if (recipe.max_error < field.rounding.slack) {
         result.status = {Errc::invalid_argument, "max_error is less than what rounding the samples to floats takes",
-                         recipe.max_error, field.slack};
+                         recipe.max_error, field.rounding.slack};
         return result;
     }
+    const kit::BoundedLimits limits = bounded_limits(field, recipe);
+    give_room(field, limits);
     std::size_t samples = static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
     if (!field.data.empty()) samples = static_cast<std::size_t>(std::count(field.data.begin(), field.data.end(), 1));
     const auto channels = static_cast<std::size_t>(field.channels);
@@ -3820,7 +3932,7 @@ namespace detail {
     const auto energy = [&](const kit::Sheet& sheet) {
         return prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
     };
-    const kit::Sheet sheet = kit::BoundedPieces(field, limit, recipe, progress, parallel_for).run(energy);
+    const kit::Sheet sheet = kit::BoundedPieces(field, limits, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
         result.status = progress.stopped()
                             ? Status(Errc::cancelled, "cancelled by the progress callback")
@@ -3876,7 +3988,7 @@ template <class T, int C>
     if (result.status) result.status = detail::check_bounded(options, view.width, view.height);
     if (result.status) result.status = check(recipe);
     if (!result.status) return result;
-    const kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
+    kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
     if (field.bad_row >= 0) {
         result.status = {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
                          field.bad_row};

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
+#include <initializer_list>
 #include <limits>
 #include <map>
 #include <string>
@@ -27,6 +29,15 @@ struct hmesh::PixelTraits<std::int32_t> {
     static constexpr bool is_integer = false;
     static double to_real(std::int32_t value) noexcept { return value; }
     static std::int32_t from_real(double value) noexcept { return static_cast<std::int32_t>(value); }
+};
+template <>
+struct hmesh::PixelTraits<double> {
+    static constexpr double peak = 1;
+    static constexpr double highest = std::numeric_limits<double>::max();
+    static constexpr double lowest = -highest;
+    static constexpr bool is_integer = false;
+    static double to_real(double value) noexcept { return value; }
+    static double from_real(double value) noexcept { return value; }
 };
 
 namespace {
@@ -151,26 +162,28 @@ using Random = hmesh::kit::Random;
 
 double between(Random& random, double low, double high) { return low + (high - low) * random.uniform(); }
 
-/// A terrain of one of several kinds.
+/// A terrain of one of eight kinds, one in five 2 x N or N x 2.
 template <class T, int C = 1>
 Terrain<T, C> random_terrain(Random& random, int kind, double scale) {
     Terrain<T, C> t;
     t.width = 2 + static_cast<int>(random.uniform() * 18);
     t.height = 2 + static_cast<int>(random.uniform() * 18);
-    if (kind % 7 == 0) t.height = 2;
+    if (kind % 5 == 0) (random.uniform() < 0.5 ? t.width : t.height) = 2;
+    const int high_i = static_cast<int>(random.uniform() * t.width), high_j = static_cast<int>(random.uniform() * t.height);
     const double a = between(random, -3, 3), b = between(random, -3, 3), level = 40;
     const double at = between(random, 0, t.width), frequency = between(random, 0.1, 1);
     for (int j = 0; j < t.height; ++j)
         for (int i = 0; i < t.width; ++i)
             for (int c = 0; c < C; ++c) {
                 double z = level;
-                switch (kind % 7) {
+                switch (kind % 8) {
                     case 0: z += 20 * std::sin(frequency * i + c) * std::cos(frequency * j); break;
                     case 1: break;                                                               // flat
                     case 2: z += i < at ? 0 : 60; break;                                         // a step
                     case 3: z += random.uniform() < 0.05 ? between(random, -40, 60) : 0; break;  // spikes
                     case 4: z += between(random, -40, 60); break;                                // noise
                     case 5: z += a * i + b * j; break;                                           // a plane
+                    case 6: z += i == high_i && j == high_j ? 1 : 0; break;                      // one sample
                     default: z += 20 * std::sin(frequency * (i + j)) + between(random, -2, 2); break;
                 }
                 t.samples.push_back(static_cast<T>(std::max(0.0, z) * scale));
@@ -178,7 +191,7 @@ Terrain<T, C> random_terrain(Random& random, int kind, double scale) {
     return t;
 }
 
-/// Gives a terrain holes: blocks, specks, stripes, or everything but a cell.
+/// Gives a terrain holes: a disc, specks, a half plane, most samples, or everything but a cell.
 template <class T, int C>
 void add_holes(Terrain<T, C>& t, Random& random, int kind) {
     t.data.assign(static_cast<std::size_t>(t.width) * static_cast<std::size_t>(t.height), kind % 5 == 4 ? 0 : 1);
@@ -242,20 +255,24 @@ void try_terrain(const Terrain<T, C>& terrain, Samples convention, const Bounded
     if (!result.status) return;
     CHECK(fault(result.mesh, terrain, convention, recipe.max_error) == "");
     CHECK(result.report.max_error <= recipe.max_error);
+    if (recipe.max_error == 0) CHECK(result.report.energy == 0);
     CHECK(result.report.faces == result.mesh.face_count());
     CHECK(result.report.vertices == result.mesh.vertex_count());
 }
 
+/// Meshes `count` random terrains times `scale` with random bounds, one in six 0, and judges them. HMESH_TEST_ROUNDS=N in the
+/// environment: N times as many, all others.
 template <class T, int C = 1>
-void try_terrains(std::uint64_t seed, int count, double scale, bool whole_numbers) {
+void try_terrains(std::uint64_t seed, int count, double scale) {
+    const char* const rounds = std::getenv("HMESH_TEST_ROUNDS");
     Random random(seed);
-    for (int k = 0; k < count; ++k) {
+    for (int k = 0; k < count * std::max(1, rounds != nullptr ? std::atoi(rounds) : 1); ++k) {
         CAPTURE(k);
         CAPTURE(seed);
         Terrain<T, C> terrain = random_terrain<T, C>(random, k, scale);
         if (random.uniform() < 0.5) add_holes(terrain, random, static_cast<int>(random.uniform() * 100));
-        const double sizes[] = {0, 0.5, 2, 10, 200};
-        double bound = sizes[static_cast<int>(random.uniform() * 5)] * scale * (whole_numbers ? 1 : between(random, 0.5, 2));
+        const bool is_exact = random.uniform() < 1.0 / 6;
+        const double bound = is_exact ? 0 : scale * std::pow(10.0, between(random, -2, 2.3));
         const Samples convention = random.uniform() < 0.6 ? Samples::points : Samples::squares;
         try_terrain(terrain, convention, {bound, efforts[static_cast<int>(random.uniform() * 4)], random.uniform() < 0.5});
     }
@@ -264,19 +281,19 @@ void try_terrains(std::uint64_t seed, int count, double scale, bool whole_number
 }  // namespace
 
 TEST_CASE("meshes of random terrains of whole numbers are within the bound") {
-    try_terrains<std::uint8_t>(1, 200, 1, true);
-    try_terrains<std::uint16_t>(2, 300, 100, true);
+    try_terrains<std::uint8_t>(1, 200, 1);
+    try_terrains<std::uint16_t>(2, 300, 100);
 }
 
 TEST_CASE("meshes of random terrains of floats are within the bound") {
-    try_terrains<float>(3, 200, 1, false);
-    try_terrains<float>(4, 100, 1e-3, false);
-    try_terrains<float>(5, 100, 1e6, false);
+    try_terrains<float>(3, 200, 1);
+    try_terrains<float>(4, 100, 1e-3);
+    try_terrains<float>(5, 100, 1e6);
 }
 
 TEST_CASE("meshes of several channels are within the bound in each") {
-    try_terrains<std::uint8_t, 3>(6, 60, 1, true);
-    try_terrains<float, 4>(7, 40, 1, false);
+    try_terrains<std::uint8_t, 3>(6, 60, 1);
+    try_terrains<float, 4>(7, 40, 1);
 }
 
 TEST_CASE("a bound of 0 gives a mesh of error 0, with fewer faces where samples lie in planes") {
@@ -372,6 +389,98 @@ TEST_CASE("tiles that share a row of samples share its border vertices and heigh
             CHECK(line_of(left, 0, 30) == line_of(right, 0, 0));
             CHECK(line_of(top, 1, 20) == line_of(bottom, 1, 0));
         }
+}
+
+namespace {
+
+/// Meshes 2 x 2 tiles that share their middle row and column with each effort, and compares their borders. Of the first a sample,
+/// or all off the border it shares, is `far` higher. Where a bound is refused, the smallest that all take is tried instead.
+template <class T>
+void try_tiles(double scale, double far, std::initializer_list<double> bounds, bool nearly_far = false) {
+    constexpr int half = 11, side = 2 * half + 1;
+    Random random(21);
+    Terrain<T> tiles[4];
+    double high[side * side];
+    for (int k = 0; k < side * side; ++k)
+        high[k] = (60 + 40 * std::sin(0.3 * (k % side)) * std::cos(0.002 * k) + between(random, -9, 9)) * scale;
+    for (int t = 0; t < 4; ++t) {
+        tiles[t].width = tiles[t].height = half + 1;
+        for (int j = t / 2 * half; j <= (t / 2 + 1) * half; ++j)
+            for (int i = t % 2 * half; i <= (t % 2 + 1) * half; ++i) {
+                const bool is_high = t == 0 && i < half && j < half && (nearly_far || (i == 5 && j == 6));
+                tiles[t].samples.push_back(static_cast<T>(high[j * side + i] + (is_high ? far : 0)));
+            }
+    }
+    for (double bound : bounds) {
+        for (const Terrain<T>& tile : tiles) {
+            const hmesh::Result result =
+                hmesh::mesh_image(tile.view(), options_of(tile, Samples::points), {bound, Effort::draft});
+            CHECK((result.status || result.status.limit > bound));
+            if (!result.status) bound = result.status.limit;
+        }
+        for (const Effort effort : efforts) {
+            CAPTURE(bound);
+            CAPTURE(static_cast<int>(effort));
+            hmesh::Mesh mesh[4];
+            for (int t = 0; t < 4; ++t) {
+                hmesh::Result result = hmesh::mesh_image(tiles[t].view(), options_of(tiles[t], Samples::points), {bound, effort});
+                REQUIRE(result.status);
+                CHECK(fault(result.mesh, tiles[t], Samples::points, bound) == "");
+                mesh[t] = std::move(result.mesh);
+            }
+            for (const std::size_t axis : {0U, 1U}) {
+                const std::size_t across = axis == 0 ? 1 : 2, along = 3 - across;
+                CHECK(line_of(mesh[0], axis, half) == line_of(mesh[across], axis, 0));
+                CHECK(line_of(mesh[along], axis, half) == line_of(mesh[3], axis, 0));
+            }
+        }
+    }
+}
+
+}  // namespace
+
+TEST_CASE("tiles of any type share their border vertices, whatever rounding takes of their insides") {
+    try_tiles<std::uint8_t>(1, 100, {0, 3, 20});
+    try_tiles<std::uint16_t>(300, 30000, {0, 900, 6000});
+    try_tiles<float>(1e-3, 1, {0, 1e-9, 3e-3, 2e-2});
+    try_tiles<float>(1, 1e9, {0, 1e-5, 3, 20});
+    try_tiles<double>(1, 0, {0, 1e-5, 0.01, 3, 20});
+    try_tiles<double>(1, 3000, {0, 2e-4, 0.01, 3, 20});
+    try_tiles<double>(1, 3e6, {0, 0.2, 3, 20}, true);
+    try_tiles<double>(1e9, 0, {1e3, 3e9});
+    try_tiles<std::int32_t>(1, 1000000000, {0, 33, 40, 100});
+    try_tiles<std::int32_t>(1000, 1000000000, {0, 33, 40, 3000, 20000}, true);
+    try_tiles<std::int32_t>(10000000, 0, {0, 33, 40, 30000000});
+}
+
+TEST_CASE("the inside may have a bound of its own, which leaves the border as it is") {
+    Random random(22);
+    Terrain<float> terrain{31, 23, {}, {}};
+    for (int k = 0; k < 31 * 23; ++k) terrain.samples.push_back(static_cast<float>(between(random, 0, 100)));
+    const hmesh::Options options = options_of(terrain, Samples::points);
+    for (const Effort effort : efforts) {
+        Bounded recipe{20, effort};
+        const hmesh::Mesh usual = hmesh::mesh_image(terrain.view(), options, recipe).mesh;
+        for (const double inside : {0.0, 3.0, 30.0}) {
+            recipe.inside_error = inside;
+            const hmesh::Result result = hmesh::mesh_image(terrain.view(), options, recipe);
+            REQUIRE(result.status);
+            CHECK(fault(result.mesh, terrain, Samples::points, 20) == "");
+            CHECK((result.mesh.faces == usual.faces) == (inside == 30));
+            for (const std::size_t axis : {0U, 1U})
+                for (const float at : {0.0F, axis == 0 ? 30.0F : 22.0F})
+                    CHECK(line_of(result.mesh, axis, at) == line_of(usual, axis, at));
+            if (inside > 0) continue;
+            // Inside each sample is a vertex then, or on a face that holds it.
+            for (int j = 1; j < 22; ++j)
+                for (int i = 1; i < 30; ++i) {
+                    const auto line = line_of(result.mesh, 1, static_cast<float>(j));
+                    const std::pair<float, float> sample{static_cast<float>(i),
+                                                         terrain.samples[static_cast<std::size_t>(31 * j + i)]};
+                    CHECK(std::find(line.begin(), line.end(), sample) != line.end());
+                }
+        }
+    }
 }
 
 TEST_CASE("borders do not depend on what is high beside them, nor with a bound of their own on that of the inside") {
@@ -489,7 +598,7 @@ TEST_CASE("what a mesh within a bound cannot honour is refused with a sentence")
         CHECK(refused({}, {bound}));
     CHECK(refused({}, {1, static_cast<Effort>(7)}));
     for (const double bound : {-1.0, std::numeric_limits<double>::quiet_NaN()})
-        CHECK(refused({}, {1, Effort::fast, false, bound}));
+        CHECK((refused({}, {1, Effort::fast, false, bound}) && refused({}, {1, Effort::fast, false, 1, bound})));
     hmesh::Options options;
     options.target = hmesh::Target::percent(2);
     CHECK(refused(options, {1}));

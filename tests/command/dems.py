@@ -201,10 +201,10 @@ def read_model(name):
 
 
 # ---- the judge ----
-def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6):
-    """The largest |surface - sample|, having looked that the faces are turned right, do not overlap, cover all cells of data and no
-    sample without. `place` takes a vertex to (column, row from the north, height). Samples within `slack` of a border are held
-    against the nearest point of it."""
+def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6, may_be_open=lambda x, y: False):
+    """The largest |surface - sample|, having looked that the faces are turned right, do not overlap, hang together along all edges
+    but those around what has data and those at places that may be open, cover all cells of data and no sample without. `place` takes
+    a vertex to (column, row from the north, height). Samples within `slack` of a border are held against the nearest point of it."""
     width, height = len(heights[0]), len(heights)
     points = [place(*vertex) for vertex in model.vertices]
     errors, area, edges = {}, 0, {}
@@ -235,11 +235,24 @@ def judge(heights, model, place=lambda x, y, z: (x, y, z), slack=1e-6):
                     errors[i, j] = (is_inside, error)
                 elif is_inside == before[0]:
                     errors[i, j] = (is_inside, max(error, before[1]) if is_inside else min(error, before[1]))
+
+    def is_cell(i, j):
+        return 0 <= i < width - 1 and 0 <= j < height - 1 and None not in heights[j][i : i + 2] + heights[j + 1][i : i + 2]
+
+    for a, b in edges:
+        if (b, a) in edges:
+            continue
+        for share in (0.25, 0.5, 0.75):
+            x, y = (points[a][k] + share * (points[b][k] - points[a][k]) for k in (0, 1))
+            if may_be_open(x, y):
+                continue
+            around = [(math.floor(x + dx), math.floor(y + dy)) for dx in (-slack, slack) for dy in (-slack, slack)]
+            assert not all(is_cell(*cell) for cell in around), f"an edge at ({x}, {y}) has one face, and data on both sides"
     cells = 0
     for j in range(height - 1):
         for i in range(width - 1):
             corners = [(i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1)]
-            if all(heights[y][x] is not None for x, y in corners):
+            if is_cell(i, j):
                 cells += 1
                 assert all(corner in errors for corner in corners), f"the cell ({i}, {j}) is not covered"
     if all(z is not None for row in heights for z in row):

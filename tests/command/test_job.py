@@ -201,7 +201,9 @@ def test_samples_without_data_and_tiles_of_none(terrain):
     assert empty == {f"0/{x:04}_{y:04}.glb" for x, y in [(2, 1), (3, 1), (2, 2), (3, 2)]} and not empty & set(tiles())
     assert "content" in str(json.loads(read("job/tiles/tileset.json"))) and not any(name in read("job/tiles/tileset.json").decode() for name in empty)
     terrain.done("job join job -o whole.ply")
-    assert judge(heights, read_model("whole.ply"), from_south(HEIGHT)) <= 9
+    # A tile knows nothing of corners of holes in its neighbour: only one of them has a vertex there.
+    is_seam = lambda x, y: x in (32, 64) or y in (32, 64)
+    assert judge(heights, read_model("whole.ply"), from_south(HEIGHT), may_be_open=is_seam) <= 9
 
 
 def test_tiles_that_do_not_meet_are_not_joined_unawares(terrain):

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import dems
-from conftest import contents, is_failure, read, rows
+from conftest import as_others, contents, is_failure, read, rows
 from dems import ground, judge, read_model, with_holes
 
 FORMATS = ["glb", "ply", "obj", "stl", "terrain"]
@@ -104,7 +104,20 @@ def test_where_rounding_takes_more_than_its_share_the_mesh_is_made_anew_within_a
     assert report["max_error"] == pytest.approx(error, abs=1e-4)
     report = report_of(terrain, f"{arguments} --max-error 50 --effort best")
     assert not report["tiles"][0]["is_tighter"] and report["max_error"] <= 50
-    terrain.fails("'tile.terrain' cannot keep --max-error 2: its numbers, as it rounds them, are off by 4.5", f"{arguments} --max-error 2")
+    for effort in EFFORTS:
+        report = report_of(terrain, f"{arguments} --max-error 2 --effort {effort}")
+        assert not report["tiles"][0]["is_tighter"] and report["max_error"] <= 2
+    # Below what any mesh keeps the smallest bound is named, and kept by each effort.
+    write("dem.raw", dems.raw([row[:20] for row in heights[:20]]))
+    for name, options, bounds in [("tile.terrain", EXTENT, ["0.1", "0.003", "0"]), ("x.ply", "--scale 1e-7 --offset 30000000", ["0.5", "0"])]:
+        for bound in bounds:
+            said = terrain.run(f"dem.raw --size 20x20 -o {name} {options} --max-error {bound}")
+            is_failure(said, f"'{name}' cannot keep --max-error {bound}: its numbers, as it rounds them, are off by ")
+            smallest = re.search(r", and the smallest that it keeps is ([\d.]+)$", said.stderr)[1]
+            assert float(smallest) > float(bound)
+            for effort in EFFORTS:
+                report = report_of(terrain, f"dem.raw --size 20x20 -o {name} {options} --max-error {smallest} --effort {effort}")
+                assert report["max_error"] <= float(smallest)
 
 
 def test_tiles_of_15_bits_keep_one_range_of_heights_and_one_border_with_all_efforts(terrain):
@@ -365,6 +378,29 @@ def test_neighbours_have_the_same_vertices_and_normals_along_their_common_row(te
     assert shared > 40
 
 
+@pytest.mark.parametrize("kind", ["ply", "obj", "glb", "stl"])
+@pytest.mark.parametrize("effort", ["fast", "best"])
+def test_tiles_put_together_by_equal_numbers_are_one_surface_within_the_bound(terrain, kind, effort):
+    heights = ground(WIDTH, HEIGHT)
+    write("dem.asc", dems.asc(heights, cell=3.7))
+    report = report_of(terrain, f"dem.asc -o tile.{kind} --max-error 9 --tiles 16 --effort {effort}")
+    vertices, faces = {}, []
+    for tile in report["tiles"]:
+        model = read_model(tile["file"])
+        faces += [tuple(vertices.setdefault(model.vertices[v], len(vertices)) for v in face) for face in model.faces]
+    assert len(report["tiles"]) == 9 and len(faces) == report["triangles"]
+    assert judge(heights, dems.Model(list(vertices), faces), from_south(HEIGHT, 3.7), 1e-5) <= 9
+
+
+def test_the_judge_sees_a_crack():
+    vertices = [(x, y, 0) for y in range(3) for x in range(3)]
+    faces = [(a, b, c) for k in (0, 1, 3, 4) for a, b, c in ((k, k + 3, k + 1), (k + 1, k + 3, k + 4))]
+    assert judge([[0] * 3] * 3, dems.Model(vertices, faces)) == 0
+    faces[-1] = (9, *faces[-1][1:])
+    with pytest.raises(AssertionError, match="data on both sides"):
+        judge([[0] * 3] * 3, dems.Model([*vertices, vertices[5]], faces))
+
+
 def test_a_tile_is_the_same_made_alone_or_with_others_by_any_number_of_jobs(terrain):
     write("dem.pgm", dems.pgm(ground(70, 50)))
     made = []
@@ -621,11 +657,12 @@ def test_heights_that_run_to_the_north_are_turned(terrain):
     assert judge(heights, read_model("x.ply"), from_south(HEIGHT, 2)) <= 8
 
 
-@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
-def test_a_locked_folder_is_not_written(terrain):
+@pytest.mark.parametrize("options", ["-o locked/x.ply", "-o locked/x.ply --tiles 4", "-o x.ply --report locked/r.json"])
+def test_a_locked_folder_is_not_written(terrain, options):
     write("dem.pgm", dems.pgm(ground(9, 9)))
     Path("locked").mkdir(0o555)
-    terrain.fails("'locked/x.ply'", "dem.pgm -o locked/x.ply --max-error 1")
+    terrain.fails("Permission denied", f"dem.pgm {options} --max-error 1", preexec_fn=as_others)
+    assert not list(Path("locked").iterdir())
 
 
 @pytest.mark.parametrize("kind", [*FORMATS, "json"])

@@ -3,9 +3,9 @@
 #
 # HEIGHTS is the program that makes them (heights.cpp), in DIRECTORY, which is emptied. assimp must read the same positions, normals,
 # texture coordinates and faces from PLY, OBJ, glTF and STL; Khronos' validator must find nothing in the .glb and its image; ADMesh
-# must find the solid without an open edge, a degenerate facet or a normal to be mended. Needs assimp (Debian: assimp-utils), node,
-# the npm module gltf-validator where NODE_PATH finds it, and admesh. Exit status 0 or 1; 77 when a program is missing and the rest
-# is well.
+# must find the solid without an open edge, a degenerate facet or a normal to be mended; HERE's decoder must read the tile's faces,
+# normals and sides. Needs assimp (Debian: assimp-utils), node, the npm modules gltf-validator and @here/quantized-mesh-decoder
+# where NODE_PATH finds them, and admesh. Exit status 0 or 1; 77 when a program is missing and the rest is well.
 set -eu
 if [ $# -ne 2 ]; then
     echo "usage: $0 HEIGHTS DIRECTORY" >&2
@@ -42,6 +42,12 @@ if (cd "$here" && node -e 'require("gltf-validator")') 2>/dev/null; then
     node "$here/gltf_validate.js" height.glb || status=1
 else
     skip "the npm module gltf-validator is not found by NODE_PATH"
+fi
+
+if (cd "$here" && node -e 'require("@here/quantized-mesh-decoder")') 2>/dev/null; then
+    node "$here/heights_tile.js" height.ply height.terrain 7,46,7.0222222222222222,46.0074074074074074 || status=1
+else
+    skip "the npm module @here/quantized-mesh-decoder is not found by NODE_PATH"
 fi
 
 if command -v admesh >/dev/null; then

@@ -61,9 +61,13 @@ function main([ply, kind, dump]) {
   return faults.length > 0 ? 1 : 0;
 }
 
-try {
-  process.exitCode = main(process.argv.slice(2));
-} catch (error) {
-  console.error(`heights_compare: ${error.message}`);
-  process.exitCode = 2;
+module.exports = { readPly };
+
+if (require.main === module) {
+  try {
+    process.exitCode = main(process.argv.slice(2));
+  } catch (error) {
+    console.error(`heights_compare: ${error.message}`);
+    process.exitCode = 2;
+  }
 }

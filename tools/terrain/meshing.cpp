@@ -27,7 +27,8 @@ hmesh::Result mesh_within(const Arguments& arguments, const Window& window, cons
     recipe.max_error = within.bound;
     recipe.effort = bounded_effort(within.effort);
     recipe.free_borders = arguments.has_free_borders;
-    recipe.border_error = within.border_bound;
+    recipe.border_error = within.border;
+    recipe.inside_error = within.inside;
     return hmesh::mesh_image(window.tile(), options, recipe, parallel_for);
 }
 

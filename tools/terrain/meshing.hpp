@@ -10,10 +10,11 @@
 
 namespace terrain {
 
-// A bound, in heights of the file, and how much is done for having few triangles.
+// A bound, in heights of the file, what is asked of which samples, and how much is done for having few triangles.
 struct Within {
-    double bound;
-    double border_bound;  // along the tile's sides: less, or for nothing
+    double bound;   // of all
+    double inside;  // of those that are not along the tile's sides
+    double border;  // of the others
     Effort effort;
 };
 

@@ -15,29 +15,41 @@ namespace terrain {
 namespace {
 
 // Of the bound what is asked of the mesh, so that the file keeps the rest when its numbers are rounded: first the most, then less
-// where that was not enough.
-constexpr std::array<double, 7> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6, 0.4};
+// where that was not enough. With the last, 0, the inside is made by insertion alone, as Delaunay has it, without slivers.
+constexpr std::array<double, 9> shares = {0.999, 0.98, 0.95, 0.9, 0.8, 0.6, 0.4, 0.2, 0};
 
 // And of its borders, which all tiles have in common whatever their insides need. Local metres are floats, and the first share is
-// enough for all but bounds that hardly are; 15 bits take more, and shares down to this one leave borders as they are.
+// enough for all but bounds that hardly are; 15 bits take more.
 constexpr double share_of_borders = 0.999, share_of_borders_of_globe = 0.8;
 
 struct Attempt {
-    double share;
+    double share, of_borders;
     Effort effort;
 };
 
 // What is tried until a file keeps the bound. Faces of `best` may be steep where no sample is, and there rounding a place is an
-// error of heights that no tighter bound makes smaller: of 15 bits it takes `normal` at last, whose borders are the same.
-std::vector<Attempt> attempts(Effort effort, bool is_globe) {
+// error of heights that a tighter bound hardly makes smaller: of 15 bits it takes `normal` then, whose borders are the same. The
+// last attempt has borders of its own and is the same for all bounds: what it is off by is the smallest that surely is kept.
+std::vector<Attempt> attempts(Effort effort, bool is_globe, bool is_hopeless) {
+    const double of_borders = is_globe ? share_of_borders_of_globe : share_of_borders;
     std::vector<Attempt> all;
-    if (is_globe && effort == Effort::best) {
-        for (const double share : shares)
-            if (share >= share_of_borders_of_globe) all.push_back({share, effort});
-        effort = Effort::normal;
+    if (!is_hopeless) {
+        if (is_globe && effort == Effort::best) {
+            for (const double share : shares)
+                if (share >= of_borders) all.push_back({share, of_borders, effort});
+            effort = Effort::normal;
+        }
+        for (const double share : shares) all.push_back({share, of_borders, effort});
     }
-    for (const double share : shares) all.push_back({share, effort});
+    all.push_back({0, 0, effort});
     return all;
+}
+
+// A bit more than a bound: numbers of 15 bits are spread over the heights and the bound.
+std::string more_than(double bound) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.6g", bound * (1 + 1e-4));
+    return text;
 }
 
 // How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
@@ -104,16 +116,13 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
     const double low = is_globe && !(range.low < range.high) ? window.low - wanted : range.low;
     const double high = is_globe && !(range.low < range.high) ? window.high + wanted : range.high;
     const double step = is_globe && arguments_.max_error ? (high - low) / 65534 : 0;
-    if (step > 0 && wanted <= step)
-        return "'" + tile.file + "' cannot keep --max-error " + std::to_string(wanted) +
-               ": the 15 bits of its heights are off by up to " + std::to_string(step);
+    const double room = std::max(0.0, wanted - step);
     Measured found;
-    const double of_borders = is_globe ? share_of_borders_of_globe : share_of_borders;
-    for (const Attempt& attempt : attempts(arguments_.effort, is_globe)) {
+    for (const Attempt& attempt : attempts(arguments_.effort, is_globe, !(room > 0))) {
         if (tool::interrupted) return "interrupted; '" + tile.file + "' is not written";
-        const Within within{attempt.share * (wanted - step), of_borders * (wanted - step), attempt.effort};
-        end.asked = within.bound;
-        end.is_tighter = attempt.share < of_borders;
+        const Within within{shares.front() * room, attempt.share * room, attempt.of_borders * room, attempt.effort};
+        end.asked = within.inside;
+        end.is_tighter = room > 0 && attempt.of_borders == 0;
         const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, within, progress, parallel_for)
                                                           : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
@@ -133,14 +142,13 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
         end.measured = found.samples;
         if (!arguments_.max_error) return {};
         if (end.max_error <= wanted && found.left_out == 0 && found.outside == 0) return {};
-        if (!(wanted > 0)) break;
     }
     if (found.left_out > 0 || found.outside > 0)
         return "'" + tile.file + "' leaves " + std::to_string(found.left_out) + " samples out and covers " +
                std::to_string(found.outside) + " without data; it is not written";
     char text[96];
     std::snprintf(text, sizeof text, "--max-error %.9g: its numbers, as it rounds them, are off by %.9g", wanted, end.max_error);
-    return "'" + tile.file + "' cannot keep " + text;
+    return "'" + tile.file + "' cannot keep " + text + ", and the smallest that it keeps is " + more_than(end.max_error);
 }
 
 std::string TileMaker::make(const Tile& tile, hmesh::Progress progress, const hmesh::ParallelFor& parallel_for, TileEnd& end,

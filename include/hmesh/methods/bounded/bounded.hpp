@@ -64,14 +64,39 @@ namespace detail {
     return {};
 }
 
-/// What face_error() may be, so that others who calculate it come to max_error at most; -1 where rounding of samples to floats
-/// takes all of it.
-[[nodiscard]] inline double bounded_limit(const kit::HeightField& field, double max_error) noexcept {
-    if (max_error < field.slack) return -1;
-    const double room = max_error - field.slack;
+/// What face_error() may be at samples of this rounding, so that others who calculate it come to max_error at most, which is not
+/// below rounding.slack.
+[[nodiscard]] inline double bounded_limit(const kit::Rounding& rounding, double max_error) noexcept {
+    const double room = max_error - rounding.slack;
     // Others may round heights, coordinates and their sums in double otherwise: some 2^-52 of the largest height for each.
-    const double margin = field.largest * (16.0 / 4503599627370496.0);
+    const double margin = rounding.largest * (16.0 / 4503599627370496.0);
     return room > 2 * margin ? room - margin : 0;
+}
+
+/// The limits of a mesh of this field. Those of the sides follow from the samples along them alone.
+[[nodiscard]] HMESH_COLD inline kit::BoundedLimits bounded_limits(const kit::HeightField& field, const Bounded& recipe) noexcept {
+    // The margin that a border keeps to its limit leaves nothing for that of rounding where this is less.
+    const auto border = [&](double limit) {
+        const double error = recipe.max_error * (1 - kit::border_margin) < limit ? recipe.max_error : limit;
+        return recipe.free_borders ? error : std::min(error, recipe.border_error);
+    };
+    kit::BoundedLimits limits;
+    limits.inside =
+        bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
+    limits.seams = border(limits.inside);
+    for (int k = 0; k < kit::image_sides; ++k)
+        limits.sides[k] = recipe.free_borders ? limits.seams : border(bounded_limit(field.rounding_along[k], recipe.max_error));
+    return limits;
+}
+
+/// Lets samples along the sides be off by what the border is, where that is more than the inside may be.
+HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimits& limits) noexcept {
+    if (field.samples == Samples::squares) return;  // none is on the border
+    for (int k = 0; k < kit::image_sides; ++k) {
+        constexpr double rounding = 1e-12;  // here and there
+        const double most = limits.sides[k] * (1 - kit::border_margin) * (1 + rounding);
+        field.room[k] = std::max(0.0, most - limits.inside);
+    }
 }
 
 /// A sheet as a mesh with samples of this peak.
@@ -93,18 +118,20 @@ namespace detail {
     return mesh;
 }
 
-/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`.
-[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(const kit::HeightField& field, const Options& options,
+/// mesh_image() with Bounded, for all types of samples: those that the mesh is proved against are read by `read`. Gives the field
+/// its room.
+[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline Result mesh_bounded(kit::HeightField& field, const Options& options,
                                                                        const Bounded& recipe, double peak,
                                                                        const kit::ReadSamples& read,
                                                                        const ParallelFor& parallel_for) {
     Result result;
-    const double limit = bounded_limit(field, recipe.max_error);
-    if (limit < 0) {
+    if (recipe.max_error < field.rounding.slack) {
         result.status = {Errc::invalid_argument, "max_error is less than what rounding the samples to floats takes",
-                         recipe.max_error, field.slack};
+                         recipe.max_error, field.rounding.slack};
         return result;
     }
+    const kit::BoundedLimits limits = bounded_limits(field, recipe);
+    give_room(field, limits);
     std::size_t samples = static_cast<std::size_t>(field.width) * static_cast<std::size_t>(field.height);
     if (!field.data.empty()) samples = static_cast<std::size_t>(std::count(field.data.begin(), field.data.end(), 1));
     const auto channels = static_cast<std::size_t>(field.channels);
@@ -118,7 +145,7 @@ namespace detail {
     const auto energy = [&](const kit::Sheet& sheet) {
         return prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
     };
-    const kit::Sheet sheet = kit::BoundedPieces(field, limit, recipe, progress, parallel_for).run(energy);
+    const kit::Sheet sheet = kit::BoundedPieces(field, limits, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
         result.status = progress.stopped()
                             ? Status(Errc::cancelled, "cancelled by the progress callback")
@@ -174,7 +201,7 @@ template <class T, int C>
     if (result.status) result.status = detail::check_bounded(options, view.width, view.height);
     if (result.status) result.status = check(recipe);
     if (!result.status) return result;
-    const kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
+    kit::HeightField field = kit::height_field(view, options.samples, options.mask, options.nan_is_no_data, parallel_for);
     if (field.bad_row >= 0) {
         result.status = {Errc::not_finite, "the image has a sample that is NaN, infinite or beyond all floats, in row",
                          field.bad_row};

@@ -50,14 +50,18 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
 
 }  // namespace detail
 
-/// The first mesh of a rectangle of the plane: sides as side_vertices() has them, all faces in cells of data. Freedoms are 0.
-/// Empty where no cell has data.
-[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, double limit, bool lift) {
+/// The first mesh of a rectangle of the plane: sides as side_vertices() has them, within a limit for each in the order of
+/// ImageSide, all faces in cells of data. Freedoms are 0. Empty where no cell has data.
+[[nodiscard]] HMESH_COLD inline Sheet first_sheet(const HeightField& field, const Rect& rect, const double (&limits)[image_sides],
+                                                  bool lift) {
     Array<Corner> corners;
     const int right = rect.x + rect.width, bottom = rect.y + rect.height;
-    for (const SideLine& line : {SideLine{false, rect.y, rect.x, right}, SideLine{false, bottom, rect.x, right},
-                                 SideLine{true, rect.x, rect.y, bottom}, SideLine{true, right, rect.y, bottom}}) {
-        const Array<Corner> side = side_vertices(field, line, limit, lift);
+    const SideLine lines[image_sides] = {{false, rect.y, rect.x, right},
+                                         {false, bottom, rect.x, right},
+                                         {true, rect.x, rect.y, bottom},
+                                         {true, right, rect.y, bottom}};
+    for (int k = 0; k < image_sides; ++k) {
+        const Array<Corner> side = side_vertices(field, lines[k], limits[k], lift);
         corners.insert(corners.end(), side.begin(), side.end());
     }
     // Corners of the rectangle come twice, and ends of the rim on its sides: the first counts.

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
@@ -69,7 +70,7 @@ HMESH_ALWAYS_INLINE void for_each_closed_span(const HeightField& field, Point a,
 
 /// The worst sample of a face.
 struct WorstSample {
-    double error = 0;  ///< |face - sample|, the largest of all channels; what rounding itself may leave counts as 0
+    double error = 0;  ///< face_error(); what rounding itself may leave counts as 0
     int i = -1,        ///< column; -1: no sample differs
         j = -1;        ///< row
 };
@@ -122,11 +123,31 @@ struct ScaledPlane {
     return most.largest();
 }
 
-/// The largest |face - sample| of the positively oriented face (a, b, c), in any channel; any number above `enough` where it is
-/// larger than that.
+/// largest_difference() of samples [begin, end) of row j, less the room that the field gives them, times area.
+[[nodiscard]] HMESH_COLD HMESH_NEVER_INLINE inline double difference_beyond_room(const HeightField& field,
+                                                                                 const ScaledPlane& plane, int channel, int j,
+                                                                                 int begin, int end) noexcept {
+    double most = 0;
+    for (int i = begin; i < end; ++i) {
+        const double rise = static_cast<double>(field.row(channel, j)[i]) - plane.base;
+        const double off = std::abs(plane.at(i, j, field.offset()) - plane.area * rise);
+        most = std::max(most, off - field.room_at(i, j) * plane.area);
+    }
+    return most;
+}
+
+/// The same for any row, fast where the field gives no room.
+[[nodiscard]] HMESH_ALWAYS_INLINE double row_difference(const HeightField& field, const ScaledPlane& plane, int channel, int j,
+                                                        int begin, int end) noexcept {
+    if (field.has_room(j, begin, end)) return difference_beyond_room(field, plane, channel, j, begin, end);
+    return largest_difference(plane, field.row(channel, j), plane.at(begin, j, field.offset()), begin, end);
+}
+
+/// The largest |face - sample| of the positively oriented face (a, b, c), in any channel, less the room that the field gives
+/// samples along its sides; any number above `enough` where it is larger than that.
 [[nodiscard]] HMESH_NEVER_INLINE inline double face_error(const HeightField& field, const Corner& a, const Corner& b,
                                                           const Corner& c, double enough) noexcept {
-    const double area = orient2d(a.position, b.position, c.position), offset = field.offset();
+    const double area = orient2d(a.position, b.position, c.position);
     double worst = 0;
     for (int channel = 0; channel < field.channels && worst <= enough; ++channel) {
         const ScaledPlane plane(a, b, c, area, channel);
@@ -135,7 +156,7 @@ struct ScaledPlane {
         double most = 0;
         for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
             if (most > too_much) return;
-            most = std::max(most, largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end));
+            most = std::max(most, row_difference(field, plane, channel, j, begin, end));
         });
         worst = std::max(worst, most / area - plane.slack);
     }
@@ -152,7 +173,7 @@ struct ScaledPlane {
         double most = (worst.error + plane.slack) * area;
         int first = 0, last = 0, row = -1;
         for_each_closed_span(field, a.position, b.position, c.position, [&](int j, int begin, int end) {
-            const double here = largest_difference(plane, field.row(channel, j), plane.at(begin, j, offset), begin, end);
+            const double here = row_difference(field, plane, channel, j, begin, end);
             if (!(here > most)) return;
             most = here;
             first = begin, last = end, row = j;
@@ -160,10 +181,11 @@ struct ScaledPlane {
         if (row < 0) continue;
         worst = {most / area - plane.slack, first, row};
         // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
-        double largest = -1;
+        double largest = -std::numeric_limits<double>::infinity();
         for (int i = first; i < last; ++i) {
             const double difference =
-                std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base));
+                std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base)) -
+                field.room_at(i, row) * area;
             if (difference > largest) largest = difference, worst.i = i;
         }
     }

@@ -2,7 +2,8 @@
 /// HeightField: the samples that a bounded mesh keeps to, as planes of floats, with what has no data.
 ///
 /// A copy of the image, so that all that follows is compiled once for all types of samples: 4 bytes a sample and channel, and
-/// one for the mask where there is one. What rounding to float takes is known (slack) and comes off the bound.
+/// one for the mask where there is one. What rounding to float takes is known, of all samples and of those along each side, and
+/// comes off the bound.
 #ifndef HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
 #define HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
 
@@ -25,14 +26,36 @@ namespace hmesh::kit {
 /// The most channels that are kept within a bound.
 inline constexpr int max_bounded_channels = 4;
 
+/// What rounding to floats takes of some samples.
+struct Rounding {
+    double slack = 0;    ///< largest |float - sample|
+    double largest = 0;  ///< largest |sample| with data
+    /// One sample more.
+    void add(double sample, float rounded) noexcept {
+        slack = std::max(slack, std::abs(static_cast<double>(rounded) - sample));
+        largest = std::max(largest, std::abs(sample));
+    }
+    /// The samples of another one, too.
+    void add(const Rounding& other) noexcept {
+        slack = std::max(slack, other.slack);
+        largest = std::max(largest, other.largest);
+    }
+};
+
+/// The sides of an image, in the order of arrays that have something for each.
+enum ImageSide { top_side, bottom_side, left_side, right_side, image_sides };
+
 /// The samples of an image as planes of floats. Sample (i, j) stands at (i + offset(), j + offset()).
 struct HeightField {
-    int width = 0,                            ///< samples in a row
-        height = 0,                           ///< rows
-        channels = 1;                         ///< 1 to 4
-    Samples samples = Samples::squares;       ///< where samples stand
-    double slack = 0;                         ///< largest |float - sample|
-    double largest = 0;                       ///< largest |sample| with data
+    int width = 0,                       ///< samples in a row
+        height = 0,                      ///< rows
+        channels = 1;                    ///< 1 to 4
+    Samples samples = Samples::squares;  ///< where samples stand
+    Rounding rounding,                   ///< of all samples
+        rounding_along[image_sides];     ///< of those along each side
+    /// How much more than others the samples along each side may be off, in stored values: where the border, which follows from
+    /// them alone, may be off by more than the inside, which others have a say in.
+    double room[image_sides] = {};
     float lowest[max_bounded_channels] = {},  ///< of each channel the lowest sample with data, as float; 0 without any
         highest[max_bounded_channels] = {};   ///< and the highest
     int bad_row = -1;                         ///< a row with a sample that has data and is no finite float; or -1
@@ -54,6 +77,16 @@ struct HeightField {
     [[nodiscard]] bool has_data(int i, int j) const noexcept {
         return data.empty() ||
                data[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) + static_cast<std::size_t>(i)] != 0;
+    }
+    /// Whether some of the samples [begin, end) of row j may be off by more than others.
+    [[nodiscard]] bool has_room(int j, int begin, int end) const noexcept {
+        return (j == 0 && room[top_side] > 0) || (j == height - 1 && room[bottom_side] > 0) ||
+               (begin == 0 && room[left_side] > 0) || (end == width && room[right_side] > 0);
+    }
+    /// How much more than others sample (i, j) may be off.
+    [[nodiscard]] double room_at(int i, int j) const noexcept {
+        return std::max({j == 0 ? room[top_side] : 0, j == height - 1 ? room[bottom_side] : 0, i == 0 ? room[left_side] : 0,
+                         i == width - 1 ? room[right_side] : 0});
     }
     /// Whether unit square [i, i + 1] x [j, j + 1] of the plane is a cell of data: for points its four samples have data, for
     /// squares the one in its middle. False outside.
@@ -86,7 +119,7 @@ template <class T, int C>
     field.values.resize(width * rows * C + 16);
     const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
     if (has_mask) field.data.resize(width * rows);
-    Array<double> slack(rows, 0.0), largest(rows, 0.0);
+    Array<Rounding> rounding(rows), left(rows), right(rows);
     Array<float> lowest(rows * C, huge), highest(rows * C, -huge);
     Array<unsigned char> holes(rows, 0), bad(rows, 0);
     for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
@@ -110,8 +143,9 @@ template <class T, int C>
                         bad[j] = 1;
                         continue;
                     }
-                    slack[j] = std::max(slack[j], std::abs(static_cast<double>(rounded) - value[c]));
-                    largest[j] = std::max(largest[j], std::abs(value[c]));
+                    rounding[j].add(value[c], rounded);
+                    if (i == 0) left[j].add(value[c], rounded);
+                    if (i + 1 == width) right[j].add(value[c], rounded);
                     lowest[j * C + c] = std::min(lowest[j * C + c], rounded);
                     highest[j * C + c] = std::max(highest[j * C + c], rounded);
                 }
@@ -120,11 +154,14 @@ template <class T, int C>
     });
     bool has_holes = false;
     for (std::size_t j = 0; j < rows; ++j) {
-        field.slack = std::max(field.slack, slack[j]);
-        field.largest = std::max(field.largest, largest[j]);
+        field.rounding.add(rounding[j]);
+        field.rounding_along[left_side].add(left[j]);
+        field.rounding_along[right_side].add(right[j]);
         has_holes = has_holes || holes[j] != 0;
         if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
     }
+    field.rounding_along[top_side] = rounding[0];
+    field.rounding_along[bottom_side] = rounding[rows - 1];
     if (!has_holes) field.data = {};
     for (std::size_t c = 0; c < C; ++c) {
         float low = huge, high = -huge;

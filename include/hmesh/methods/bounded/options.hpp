@@ -36,6 +36,10 @@ struct Bounded {
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
     double border_error = std::numeric_limits<double>::infinity();
+    /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
+    /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
+    /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
+    double inside_error = std::numeric_limits<double>::infinity();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
@@ -44,6 +48,8 @@ struct Bounded {
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
     if (!(recipe.border_error >= 0))
         return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
+    if (!(recipe.inside_error >= 0))
+        return {Errc::invalid_argument, "inside_error must be at least 0, in stored values", recipe.inside_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
     return {};

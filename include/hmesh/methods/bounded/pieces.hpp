@@ -94,13 +94,20 @@ struct SheetPiece {
 
 }  // namespace detail
 
+/// What face_error() may be, and what the border may be off.
+struct BoundedLimits {
+    double inside = 0;               ///< face_error()
+    double seams = 0;                ///< of the border of a tile, where it is none of the image
+    double sides[image_sides] = {};  ///< of the border of the image
+};
+
 /// Meshes a field in tiles.
 class BoundedPieces {
   public:
-    /// Of this field, within `limit`.
-    BoundedPieces(const HeightField& field, double limit, const Bounded& recipe, ProgressReporter& progress,
+    /// Of this field, within these limits.
+    BoundedPieces(const HeightField& field, const BoundedLimits& limits, const Bounded& recipe, ProgressReporter& progress,
                   const ParallelFor& parallel_for)
-        : field_(&field), limit_(limit), recipe_(recipe), progress_(&progress), parallel_for_(parallel_for) {}
+        : field_(&field), limits_(limits), recipe_(recipe), progress_(&progress), parallel_for_(parallel_for) {}
 
     /// The mesh, or what there was of it that holds when progress said stop: an empty one while samples were being inserted.
     /// `energy` gives that of a sheet, for progress.
@@ -109,7 +116,7 @@ class BoundedPieces {
         const auto tiling = [&](bool shift_x, bool shift_y) { return Tiling(width, height, bounded_tile, shift_x, shift_y); };
         const Tiling first = tiling(false, false);
         const bool is_whole = first.size() == 1;
-        const bool is_draft = recipe_.effort == Bounded::Effort::draft;
+        const bool is_draft = recipe_.effort == Bounded::Effort::draft || recipe_.inside_error == 0;
         if (!progress_->begin("insertion", 0, 0)) return {};
         progress_->set_range(0, 1);
         std::vector<detail::SheetPiece> pieces(first.size());
@@ -141,11 +148,11 @@ class BoundedPieces {
     /// The mesh of a rectangle by greedy insertion.
     [[nodiscard]] Sheet inserted(const Rect& rect, double share) const {
         TaskProgress task(*progress_, share);
-        // limit_ is less than the bound by what the largest sample of all costs, which a neighbour does not know: sides, which
-        // keep to a millionth less, need none of that where it is less.
-        double side = recipe_.max_error * (1 - 1e-6) < limit_ ? recipe_.max_error : limit_;
-        if (!recipe_.free_borders) side = std::min(side, recipe_.border_error);
-        Sheet sheet = first_sheet(*field_, rect, side, recipe_.effort >= Bounded::Effort::normal);
+        const bool is_side[image_sides] = {rect.y == 0, rect.y + rect.height == field_->bottom(), rect.x == 0,
+                                           rect.x + rect.width == field_->right()};
+        double limits[image_sides];
+        for (int k = 0; k < image_sides; ++k) limits[k] = is_side[k] ? limits_.sides[k] : limits_.seams;
+        Sheet sheet = first_sheet(*field_, rect, limits, recipe_.effort >= Bounded::Effort::normal);
         // Vertices of the rectangle's sides are those that other tiles have, too.
         for (std::size_t v = 0; v < sheet.vertices.size(); ++v) {
             const Point p = sheet.vertices[v].position;
@@ -153,14 +160,14 @@ class BoundedPieces {
                 sheet.freedom[v] = is_locked;
         }
         if (sheet.faces.empty()) return sheet;
-        BoundedMesh mesh(*field_, limit_, sheet, task);
+        BoundedMesh mesh(*field_, limits_.inside, sheet, task);
         GreedyInsertion(mesh).run();
         return mesh.sheet();
     }
     void shrink_piece(detail::SheetPiece& piece, double share, int passes) const {
         if (piece.sheet.faces.empty()) return;
         TaskProgress task(*progress_, share);
-        BoundedMesh mesh(*field_, limit_, piece.sheet, task);
+        BoundedMesh mesh(*field_, limits_.inside, piece.sheet, task);
         shrink(mesh, recipe_.effort, passes);
         Array<std::uint32_t> origin;
         for (const Vertex v : mesh.topology.vertices()) origin.push_back(piece.origin[v.index()]);
@@ -210,7 +217,7 @@ class BoundedPieces {
     }
 
     const HeightField* field_;
-    double limit_;
+    BoundedLimits limits_;
     Bounded recipe_;
     ProgressReporter* progress_;
     ParallelFor parallel_for_;

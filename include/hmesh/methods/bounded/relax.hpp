@@ -38,7 +38,7 @@ class BoundedRelaxation {
     /// What is 1 to fits: a little less than the limit, by what floats may be wrong; for limits that floats cannot tell from 0
     /// what they can.
     [[nodiscard]] static double unit(const BoundedMesh& mesh) noexcept {
-        return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->largest));
+        return std::max(mesh.limit * (1 - 1e-4), std::max(1e-30, 1e-6 * mesh.field->rounding.largest));
     }
     /// The share of its energy that a move must gain, but in trials: each makes all around it be tried anew.
     double least_gain = 0.02;

@@ -35,6 +35,9 @@ struct SideLine {
         end;          ///< to here, > begin
 };
 
+/// The share of its limit that a border keeps back: what is within the rest stays so when others round otherwise.
+inline constexpr double border_margin = 1e-6;
+
 namespace detail {
 
 /// A height field along a line: what stands where.
@@ -123,14 +126,17 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
     Array<State> states(n * levels);
     const double step = limit * 0.999 / middle;
     const auto sample = [&](std::size_t k) { return static_cast<double>(profile.heights[first + k]); };
-    const auto height = [&](std::size_t k, int level) { return static_cast<float>(sample(k) + step * (level - middle)); };
     const auto at = [&](std::size_t k, int level) { return k * levels + static_cast<std::size_t>(level); };
+    Array<float> heights(n * levels);
+    for (std::size_t k = 0; k < n; ++k)
+        for (int level = 0; level < levels; ++level)
+            heights[at(k, level)] = static_cast<float>(sample(k) + step * (level - middle));
     states[at(0, middle)].links = 0;
     for (std::size_t i = 0; i + 1 < n; ++i)
         for (int level = 0; level < levels; ++level) {
             const State state = states[at(i, level)];
             if (state.links >= 1e30F) continue;
-            const auto z = static_cast<double>(height(i, level));
+            const auto z = static_cast<double>(heights[at(i, level)]);
             double low = -1e300, high = 1e300;  // slopes that keep all samples since within the limit
             for (std::size_t k = i + 1; k < n; ++k) {
                 const double run = profile.place[first + k] - profile.place[first + i], above = sample(k) - z;
@@ -139,6 +145,9 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
                 const int end = highest < levels ? static_cast<int>(std::max(highest, -1.0) + 1) : levels;
                 for (int to = begin; to < end; ++to) {
                     if (k + 1 == n && to != middle) continue;
+                    // A height is a float: one that rounding has taken from its level too far is left out.
+                    const double rise = static_cast<double>(heights[at(k, to)]) - z;
+                    if (rise < low * run || rise > high * run || std::abs(rise - above) > limit) continue;
                     const float off = static_cast<float>(to - middle) / middle;
                     const float links = state.links + 1 + 2 * off * off;
                     State& next = states[at(k, to)];
@@ -151,7 +160,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
         }
     for (auto k = static_cast<std::uint32_t>(at(n - 1, middle)); k != none; k = states[k].from) {
         keep[first + k / levels] = 1;
-        profile.chosen[first + k / levels] = height(k / levels, static_cast<int>(k % levels));
+        profile.chosen[first + k / levels] = heights[k];
     }
 }
 
@@ -164,7 +173,7 @@ HMESH_COLD inline void choose_fewest(Profile& profile, std::size_t first, std::s
 [[nodiscard]] HMESH_COLD inline Array<Corner> side_vertices(const HeightField& field, const SideLine& line, double limit,
                                                             bool lift) {
     detail::Profile profile = detail::profile(field, line);
-    limit *= 1 - 1e-6;  // what is within it stays so when others round otherwise
+    limit *= 1 - border_margin;
     const std::size_t n = profile.place.size();
     Array<std::uint8_t> keep(n, 0);
     keep[0] = keep[n - 1] = 1;
