@@ -73,9 +73,9 @@ if [ "${2-}" = --quick ]; then
 else
     tools=build/web/tools
     mkdir -p "$tools"
-    cp tests/web/package.json "$tools"
+    cp tests/web/package.json tests/web/package-lock.json "$tools"
     step "Installing what tests use into $tools ..." env PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 \
-        npm install --prefix "$tools" --ignore-scripts --no-package-lock --no-audit --no-fund
+        npm install --prefix "$tools" --ignore-scripts --no-audit --no-fund
     export NODE_PATH=$PWD/$tools/node_modules${NODE_PATH:+:$NODE_PATH}
 fi
 command=$PWD/build/release/bin/hmesh
