@@ -25,26 +25,28 @@ package=build/web/npm
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
 # compile NAME FLAG...: the binding, for hmesh.wasm or hmesh.threads.wasm. What meshes is compiled for speed, but for inlining that costs
-# 5 kB (brotli) and gains nothing; the rest for size.
+# 5 kB (brotli) and gains nothing; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
+# (1.15 of a draft in node 20): for the rest alone.
 compile() {
     local name=$1 file level
     shift
     for file in meshing images files; do
-        if [ "$file" = meshing ]; then level=(-O2 -mllvm -inline-threshold=60); else level=(-Oz); fi
-        emscripten "${level[@]}" "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude "${include_folders[@]}" \
-            -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
+        if [ "$file" = meshing ]; then level=(-O2 -mllvm -inline-threshold=60); else level=(-Oz -mnontrapping-fptoint); fi
+        emscripten "${level[@]}" -mbulk-memory "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude \
+            "${include_folders[@]}" -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
     done
 }
 
-# link NAME FLAG...: no JavaScript of Emscripten's, hence no main(), a memory that ours brings, imports that it has, and a stack of a
-# size that is said. Not -Oz, whose exp() and the like are slower.
+# link NAME OBJECT... FLAG...: no JavaScript of Emscripten's, hence no main(), a memory that ours brings, imports that it has, and a stack of
+# a size that is said. Not -Oz, whose exp() and the like are slower; Emscripten's small malloc(), which is as fast here.
 link() {
     local name=$1
     shift
-    emscripten -Os "$objects/$name"/*.o -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY \
+    emscripten -Os "$@" -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY -sMALLOC=emmalloc \
         -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
-        -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 "$@" &&
-        wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-threads "$package/$name.wasm" -o "$package/$name.wasm"
+        -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 &&
+        wasm-opt -Oz --enable-simd --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-threads \
+            "$package/$name.wasm" -o "$package/$name.wasm"
 }
 
 # Emscripten's own threads want its JavaScript (3.1.6 refuses them with STANDALONE_WASM). Ours share a memory with the libraries of
@@ -52,7 +54,8 @@ link() {
 build_modules() {
     compile hmesh &
     compile hmesh.threads -pthread && wait "$!" &&
-        link hmesh && link hmesh.threads -matomics -mbulk-memory -Wl,--shared-memory,--no-check-features
+        link hmesh "$objects"/hmesh/*.o && link hmesh.meshing "$objects"/hmesh/{images,meshing}.o &&
+        link hmesh.threads "$objects"/hmesh.threads/*.o -matomics -mbulk-memory -Wl,--shared-memory,--no-check-features
 }
 
 rm -rf "$package" "$objects"
@@ -70,9 +73,9 @@ if [ "${2-}" = --quick ]; then
 else
     tools=build/web/tools
     mkdir -p "$tools"
-    cp tests/web/package.json "$tools"
+    cp tests/web/package.json tests/web/package-lock.json "$tools"
     step "Installing what tests use into $tools ..." env PLAYWRIGHT_SKIP_BROWSER_DOWNLOAD=1 \
-        npm install --prefix "$tools" --ignore-scripts --no-package-lock --no-audit --no-fund
+        npm install --prefix "$tools" --ignore-scripts --no-audit --no-fund
     export NODE_PATH=$PWD/$tools/node_modules${NODE_PATH:+:$NODE_PATH}
 fi
 command=$PWD/build/release/bin/hmesh

@@ -421,10 +421,12 @@ class Message {
         if (size < 1e15 && size == std::floor(size)) return digits(static_cast<std::uint64_t>(size));
         int exponent = static_cast<int>(std::floor(std::log10(size)));
         const bool is_plain = exponent >= -5 && exponent < 6;
-        // Six significant digits as a whole number, below 10^6 but for rounding, which is as good.
-        // In two steps for the smallest doubles, for which 10^308 is not enough.
-        const int lift = exponent < -300 ? 30 : 0;
-        const auto scaled = static_cast<std::uint64_t>(size * std::pow(10.0, lift) * std::pow(10.0, 5 - exponent - lift) + 0.5);
+        // Six significant digits as a whole number, below 10^6 but for rounding, which is as good. By tens: pow() has tables of
+        // 4 kB, which a program that is sent to browsers feels.
+        double six = size;
+        for (int k = exponent; k < 5; ++k) six *= 10;
+        for (int k = exponent; k > 5; --k) six /= 10;
+        const auto scaled = static_cast<std::uint64_t>(six + 0.5);
         if (is_plain) return fixed(scaled, 5 - exponent);
         fixed(scaled, 5) << "e";
         if (exponent < 0) *this << "-";
@@ -11528,7 +11530,8 @@ class AnnealingSchedule {
     [[nodiscard]] double price() const noexcept { return price_; }
     /// T of sweep 0, 1, .., an energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
-        return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
+        const double left = 1 - static_cast<double>(sweep) / options_.sweeps;
+        return options_.temperature * std::exp(options_.cooling * std::log(left)) * price_;  // no pow(): core/status.hpp
     }
     /// Steers mu after a sweep: it rises with the surplus of vertices over the target and with the rate at which vertices come.
     ///

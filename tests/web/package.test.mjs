@@ -4,6 +4,7 @@ import { test } from 'node:test';
 import { readFile } from 'node:fs/promises';
 import { pathToFileURL } from 'node:url';
 import { Worker } from 'node:worker_threads';
+import { brotliCompressSync } from 'node:zlib';
 import { hash, hashOf, picture } from './pictures.mjs';
 
 const folder = pathToFileURL(`${process.env.HMESH_NPM}/`);
@@ -303,6 +304,22 @@ test('the module comes from bytes, an address, an answer or a promise, and what 
   assert.ok(await errorOf(() => load(new URL('none.wasm', folder))));
   assert.ok(await errorOf(() => load(new Uint8Array(8))));
   assert.match((await errorOf(() => load(42))).message, /42/);
+});
+
+test('hmesh.meshing.wasm makes the same meshes, and refuses with a sentence what it lacks', async () => {
+  const small = await load(new URL('hmesh.meshing.wasm', folder)), mesh = small.meshImage(image, { vertices: 200 });
+  assert.equal(hashOf(mesh), hashOf((await load()).meshImage(image, { vertices: 200 })));
+  for (const call of [() => small.write(mesh, 'glb'), () => small.write(mesh, 'hmc', { bare: true }), () => small.read(new Uint8Array(9)),
+    () => small.render(mesh)])
+    assert.match((await errorOf(call)).message, /hmesh\.wasm does/);
+  assert.equal(hashOf(small.meshImage(image, { vertices: 200 })), hashOf(mesh));
+});
+
+test('the modules are no larger than is promised', async () => {
+  for (const [name, most] of [['hmesh', 160000], ['hmesh.threads', 160000], ['hmesh.meshing', 110000]]) {
+    const { length } = brotliCompressSync(await readFile(new URL(`${name}.wasm`, folder)));
+    assert.ok(length <= most, `${name}.wasm has ${length} bytes by brotli, of ${most}`);
+  }
 });
 
 test('a worker that cannot be started fails the call', async () => {

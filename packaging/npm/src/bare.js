@@ -5,19 +5,18 @@
 
 export const MOST_POINTS = 1024;  // corners among them
 const MOST_PIXELS = 4096;  // of a side: signs of circles are exact up to these
-
-const LOGISTIC = [32768, 36843, 40793, 44511, 47911, 50941, 53581, 55834, 57724, 59287, 60565, 61598, 62428, 63090, 63615,
-  64030, 64357, 64614, 64816, 64974, 65097, 65194, 65269, 65328, 65374, 65410, 65438, 65459, 65476, 65489,
-  65500, 65508, 65514, 65519, 65523, 65526, 65528, 65530, 65531, 65532, 65533, 65534, 65534, 65535, 65535];
-const COTANGENTS = [1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107, 96, 86, 78, 71, 64,
-  58, 53, 47, 43, 38, 34, 30, 27, 23, 19, 16, 13, 9, 6, 3];
+const EDGE = 2048;  // above MOST_POINTS
 
 // Where each table of contexts begins in the one array of all, and each part's sets of weights.
 const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANGLES + 3 * 256, NEAR = SHAPES + 3 * 4096;
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-const { max, min, abs, ceil, floor, trunc } = Math;
+const { max, min, abs, ceil, floor, round: nearest, trunc, exp, tan, PI } = Math;
+// Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
+const table = (size, body) => Array.from({ length: size }, (_, k) => nearest(body(k)));
+const LOGISTIC = table(45, (k) => 65536 / (1 + exp(-k / 4)));
+const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
 const held = (x, most) => max(-most, min(most, x));
 const refuse = () => { throw 0; };  // caught by readBare() alone
@@ -167,109 +166,75 @@ function readSites(code, width, height, n) {
   return sites;
 }
 
-// Triangles between points: of each directed edge from a to b, at a n + b, one more than the point across from it on its left, 0 beside the
-// border; and the round of flips that has made this triangle.
-export class Triangles {
-  constructor(x, y) {
-    this.x = x;
-    this.y = y;
-    this.n = x.length;
-    this.apexes = new Uint16Array(this.n * this.n);
-    this.rounds = new Uint32Array(this.n * this.n);
-  }
-
-  // Of a table of directed edges, what it says of that from a to b.
-  apex(a, b) { return this.apexes[a * this.n + b] - 1; }
-  round(a, b) { return this.rounds[a * this.n + b]; }
-
-  set(a, b, c, round) {
-    const { n, apexes, rounds } = this;
-    for (let k = 0; k < 3; k++) {
-      apexes[a * n + b] = c + 1;
-      rounds[a * n + b] = round;
-      [a, b, c] = [b, c, a];
-    }
-  }
-
+// Triangles between points: of each directed edge from a to b, at a n + b, EDGE times the round of flips that has made the triangle on its
+// left, and one more than the point across from it there; 0 beside the border.
+export function makeTriangles(x, y) {
+  const n = x.length, edges = new Int32Array(n * n);
+  // The point across from an edge, or -1, and its round.
+  const apex = (a, b) => (edges[a * n + b] & EDGE - 1) - 1;
+  const round = (a, b) => trunc(edges[a * n + b] / EDGE);
+  const set = (a, b, c, round) => {
+    edges[a * n + b] = EDGE * round + c + 1;
+    edges[b * n + c] = EDGE * round + a + 1;
+    edges[c * n + a] = EDGE * round + b + 1;
+  };
   // Twice the area of a triangle, positive where c is to the left.
-  turn(a, b, c) {
-    const { x, y } = this;
-    return (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  }
-
+  const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
   // Whether d counts as inside of the circle of the positive a, b, c.
-  isInside(a, b, c, d) {
-    const { x, y } = this, p = x[a] - x[d], q = y[a] - y[d], s = x[b] - x[d], t = y[b] - y[d], v = x[c] - x[d], w = y[c] - y[d];
+  const isInside = (a, b, c, d) => {
+    const p = x[a] - x[d], q = y[a] - y[d], s = x[b] - x[d], t = y[b] - y[d], v = x[c] - x[d], w = y[c] - y[d];
     const value = (p * p + q * q) * (s * w - t * v) + (s * s + t * t) * (v * q - w * p) + (v * v + w * w) * (p * t - q * s);
     if (value) return value > 0;
     const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
-    return least === d || this.turn(other(a), other(b), other(c)) < 0;
-  }
-
+    return least === d || turn(other(a), other(b), other(c)) < 0;
+  };
   // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
-  begin(a, b) {
-    const begun = [a, b];
-    while (begun.length) {
-      b = begun.pop();
-      a = begun.pop();
-      if (this.apex(a, b) >= 0) continue;
-      let c = -1;
-      for (let d = 0; d < this.n; d++) if (this.turn(a, b, d) > 0 && (c < 0 || this.isInside(a, b, c, d))) c = d;
-      if (c < 0) continue;
-      this.set(a, b, c, 0);
-      begun.push(c, b, a, c);
-    }
-  }
-
+  const begin = (a, b) => {
+    if (apex(a, b) >= 0) return;
+    const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
+    let c = -1;
+    for (let d = 0; d < n; d++) if (s * (y[d] - q) > (x[d] - p) * t && (c < 0 || isInside(a, b, c, d))) c = d;
+    if (c < 0) return;
+    set(a, b, c, 0);
+    begin(a, c);
+    begin(c, b);
+  };
   // The angle at p between q and r, in 64ths of a half turn.
-  angle(p, q, r) {
-    const { x, y } = this, area = this.turn(p, q, r);
-    const t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
+  const angle = (p, q, r) => {
+    const area = turn(p, q, r), t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
     let k = 0;
     while (k < 31 && abs(t) < COTANGENTS[k] * area) k++;
     return t < 0 ? 63 - k : k;
-  }
-
-  flip(a, b, c, d, round) {
-    this.apexes[a * this.n + b] = this.apexes[b * this.n + a] = 0;
-    this.set(a, d, c, round);
-    this.set(d, b, c, round);
-  }
+  };
+  const flip = (a, b, c, d, round) => {
+    edges[a * n + b] = edges[b * n + a] = 0;
+    set(a, d, c, round);
+    set(d, b, c, round);
+  };
+  return { x, y, n, apex, round, set, turn, isInside, begin, angle, flip };
 }
 
-function readFlips(code, mesh) {
-  const { n } = mesh;
-  let asked = [], left = 64 * n;
-  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (mesh.apex(a, b) >= 0 || mesh.apex(b, a) >= 0) asked.push([a, b]);
-  for (let round = 1; asked.length; round++) {
-    const next = [], listed = new Set();
-    for (const [a, b] of asked) {
-      const c = mesh.apex(a, b), d = mesh.apex(b, a);
-      if (c < 0 || d < 0 || mesh.round(a, b) === round || mesh.round(b, a) === round) continue;
-      if (mesh.turn(a, d, c) <= 0 || mesh.turn(d, b, c) <= 0) continue;
-      const g = mesh.angle(c, a, b), h = mesh.angle(d, b, a), i = mesh.angle(a, d, c), j = mesh.angle(b, c, d);
-      const phase = min(3, round) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
-      const sides = [[a, c], [c, b], [b, d], [d, a]];
-      let fresh = 0, near = 0;
-      for (const made of [mesh.round(a, b), mesh.round(b, a)]) fresh += made === round - 1 ? 1 : 0;
-      for (const [u, v] of sides) {
-        const made = mesh.round(u, v);
-        near += made === 0 ? 0 : made === round ? 6 : 1;
-      }
-      const shape = phase * 16 + (slack >> 2);
+function readFlips(code, { n, apex, round, turn, angle, flip }) {
+  let asked = new Set(), left = 64 * n;
+  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b));
+  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (apex(a, b) >= 0 || apex(b, a) >= 0) ask(a, b);
+  for (let now = 1; asked.size; now++) {
+    const edges = asked;
+    asked = new Set();
+    for (const edge of edges) {
+      const a = floor(edge / n), b = edge % n, c = apex(a, b), d = apex(b, a), made = [round(a, b), round(b, a)];
+      if (c < 0 || d < 0 || made.includes(now) || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
+      const g = angle(c, a, b), h = angle(d, b, a), i = angle(a, d, c), j = angle(b, c, d);
+      const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
+      const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = made.filter((at) => at === now - 1).length, shape = phase * 16 + (slack >> 2);
+      let near = 0;
+      for (const [u, v] of sides) near += round(u, v) === now ? 6 : min(1, round(u, v));
       if (!code.mixed(FLIP_WEIGHTS + shape,
-        [ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j),
-          NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near])) continue;
+        [ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j), NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near])) continue;
       if (left-- === 0) refuse();
-      mesh.flip(a, b, c, d, round);
-      for (const [u, v] of sides) {
-        const edge = [min(u, v), max(u, v)], name = edge[0] * n + edge[1];
-        if (listed.has(name)) continue;
-        listed.add(name);
-        next.push(edge);
-      }
+      flip(a, b, c, d, now);
+      for (const [u, v] of sides) ask(u, v);
     }
-    asked = next;
   }
 }
 
@@ -363,7 +328,7 @@ function read(bytes, told) {
     for (const [x, y] of k < 4 ? readSites(code, room[k], 1, count) : readSites(code, columns - 1, rows - 1, count))
       sites.push([[x + 1, 0], [columns, x + 1], [x + 1, rows], [0, x + 1], [x + 1, y + 1]][k]);
   });
-  const mesh = new Triangles(sites.map(([x]) => min(width, step * x)), sites.map(([, y]) => min(height, step * y)));
+  const mesh = makeTriangles(sites.map(([x]) => min(width, step * x)), sites.map(([, y]) => min(height, step * y)));
   mesh.begin(0, counts[0] ? 4 : 1);
   readFlips(code, mesh);
   const numbers = readColors(code, mesh, channels, colorStep, floor(1536 * width * height / n));

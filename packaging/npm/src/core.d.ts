@@ -120,7 +120,8 @@ export class HmeshError extends Error {
     | 'internal' | (string & {});
 }
 
-/** Where hmesh.wasm comes from: its bytes, a module, an address, or the answer of fetch(). */
+/** Where hmesh.wasm comes from: its bytes, a module, an address, or the answer of fetch(). hmesh.meshing.wasm, two thirds as large, makes the same
+ * meshes and refuses to write(), read() and render(). */
 export type Source = WebAssembly.Module | BufferSource | URL | string | Response;
 
 /** One instance of hmesh. All calls are synchronous, and all of them may throw an HmeshError, after which it can be used as before. */

@@ -3,7 +3,7 @@
 // The image is shrunk until its pixels are the sites of the file's lattice, about eight between two vertices. The annealed mesh of that is moved to
 // the lattice, each vertex to the site around it that is best, and moved and flipped there while that lowers its error.
 // The number of vertices is sought that fills the bytes.
-import { MOST_POINTS, Triangles, readBare } from './bare.js';
+import { MOST_POINTS, makeTriangles, readBare } from './bare.js';
 import { shrink } from './resample.js';
 
 const SITES = 8;  // of the lattice between two vertices, along each axis
@@ -15,7 +15,7 @@ class Fit {
   // From a mesh of it whose vertices may lie anywhere.
   constructor({ width, height, pixels, channels }, { positions, indices, colors }) {
     const [x, y] = [0, 1].map((axis) => Array.from(positions.filter((_, k) => k % 2 === axis)));
-    Object.assign(this, { width, height, pixels, channels, mesh: new Triangles(x, y), n: x.length, colors: Float64Array.from(colors) });
+    Object.assign(this, { width, height, pixels, channels, mesh: makeTriangles(x, y), n: x.length, colors: Float64Array.from(colors) });
     for (let f = 0; f < indices.length; f += 3) this.mesh.set(indices[f], indices[f + 1], indices[f + 2], 0);
   }
 

@@ -88,6 +88,10 @@ const imports = (memory, hmesh) => ({
   hmesh,
 });
 
+// What hmesh.meshing.wasm lacks.
+const lacking = () => refuse('hmesh.meshing.wasm neither writes nor reads files, nor draws: hmesh.wasm does');
+const LACKING = { hmesh_write: lacking, hmesh_write_bare: lacking, hmesh_read: lacking, hmesh_render: lacking };
+
 // Whether a module is that of threads.
 export const hasThreads = (module) => WebAssembly.Module.exports(module).some(({ name }) => name === 'hmesh_help');
 
@@ -222,7 +226,7 @@ export class Hmesh {
     })).exports;
     this.#memory = memory;
     wasm._initialize();
-    this.#wasm = wasm;
+    this.#wasm = { ...LACKING, ...wasm };
   }
 
   // Calls what is told; what it throws stops the work, and is thrown by the call.

@@ -50,7 +50,8 @@ class AnnealingSchedule {
     [[nodiscard]] double price() const noexcept { return price_; }
     /// T of sweep 0, 1, .., an energy.
     [[nodiscard]] double temperature(int sweep) const noexcept {
-        return options_.temperature * std::pow(1 - static_cast<double>(sweep) / options_.sweeps, options_.cooling) * price_;
+        const double left = 1 - static_cast<double>(sweep) / options_.sweeps;
+        return options_.temperature * std::exp(options_.cooling * std::log(left)) * price_;  // no pow(): core/status.hpp
     }
     /// Steers mu after a sweep: it rises with the surplus of vertices over the target and with the rate at which vertices come.
     ///
