@@ -22,6 +22,7 @@
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
+#include "hmesh/io/compact/start_table.hpp"
 #include "hmesh/io/compact/triangulation.hpp"
 
 #include "hmesh/core/macros/push.hpp"
