@@ -131,6 +131,57 @@ TEST_CASE("meshes of all kinds come back as they were, and give the same bytes a
         }
 }
 
+// Of any size, lattice, number of points, lines, flips, channels and holes.
+MeshKind random_kind(hmesh::kit::Random& random) {
+    MeshKind kind;
+    const auto side = [&] {
+        const std::size_t choice = random.below(8);
+        return choice == 0 ? 1 : choice == 1 ? 65536 : 1 + static_cast<int>(random.below(choice < 5 ? 20 : 600));
+    };
+    kind.width = side();
+    kind.height = side();
+    kind.step = 1 << random.below(9);
+    kind.points = random.below(random.below(4) == 0 ? 400 : 60);
+    kind.rows = random.below(3) == 0 ? 1 + random.below(4) : 0;
+    kind.flips = random.below(4 * kind.points + 1);
+    kind.channels = 1 + static_cast<int>(random.below(4));
+    kind.hidden = random.below(3) == 0 ? random.uniform() : 0;
+    return kind;
+}
+
+// HMESH_TEST_ROUNDS=N in the environment: N times as many.
+TEST_CASE("random meshes come back as they were, or are refused before a byte is written") {
+    const char* const rounds = std::getenv("HMESH_TEST_ROUNDS");
+    const std::size_t count =
+        (rounds == nullptr ? 1 : std::strtoul(rounds, nullptr, 10)) * 400 / hmesh_test::stride_if_sanitized(4);
+    hmesh::kit::Random random(rounds == nullptr ? 1 : 2);
+    std::size_t refused = 0;
+    for (std::size_t round = 0; round < count; ++round) {
+        const MeshKind kind = random_kind(random);
+        const Mesh mesh = random_mesh(kind, 1000 + round);
+        CAPTURE(round);
+        CompactOptions options;
+        options.colors = std::vector{CompactColors::bits8, CompactColors::bits16, CompactColors::floats}[random.below(3)];
+        if (random.below(4) == 0) options.table = &hmesh::compact_photographs;
+        Bytes bytes;
+        const auto sink = [&](const void* from, std::size_t size) {
+            const auto* const begin = static_cast<const unsigned char*>(from);
+            bytes.insert(bytes.end(), begin, begin + size);
+            return true;
+        };
+        if (const hmesh::Status status = write_compact(mesh.view(), sink, options); !status) {
+            CHECK(status.code == Errc::invalid_argument);
+            CHECK(bytes.empty());
+            ++refused;
+            continue;
+        }
+        const CompactMesh back = read(bytes, options.table);
+        REQUIRE(back.status);
+        CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+    }
+    CHECK(refused <= count / 100);
+}
+
 TEST_CASE("a vertex with spokes to all others, and strips along it, come back") {
     Mesh mesh = hmesh_test::two_faces(3);
     mesh.width = mesh.height = 64;
@@ -370,23 +421,28 @@ TEST_CASE("limits are kept, and their values checked") {
 }
 
 TEST_CASE("a file cut anywhere, or with any bit turned, is refused") {
-    for (const MeshKind& kind : {MeshKind{}, MeshKind{200, 150, 16, 20, 0, 30, 4, 0.3}, MeshKind{1, 1, 1, 3, 0, 4, 1, 0}}) {
-        const Bytes whole = compact(random_mesh(kind, 6));
+    const MeshKind kinds[] = {{}, {200, 150, 16, 20, 0, 30, 4, 0.3}, {1, 1, 1, 3, 0, 4, 1, 0}, {90, 60, 256, 25, 0, 30, 3, 0}};
+    for (const MeshKind& kind : kinds) {
+        CompactOptions options;
+        if (kind.step == 256) options.color_step = 90, options.table = &hmesh::compact_photographs;
+        const Bytes whole = compact(random_mesh(kind, 6), options);
+        const auto status = [&](const Bytes& bytes) { return read(bytes, options.table).status; };
+        REQUIRE(status(whole));
         for (std::size_t size = 0; size < whole.size(); ++size) {
             Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
-            CHECK(!read(cut).status);
-            CHECK(read(cut).mesh.faces.empty());
+            CHECK(!status(cut));
+            CHECK(read(cut, options.table).mesh.faces.empty());
         }
         for (std::size_t bit = 0; bit < 8 * whole.size(); bit += hmesh_test::stride_if_sanitized(7)) {
             Bytes turned = whole;
             turned[bit / 8] = static_cast<unsigned char>(turned[bit / 8] ^ 1U << (bit % 8));
-            CHECK(!read(turned).status);
+            CHECK(!status(turned));
         }
         Bytes longer = whole;
         longer.push_back(0);
-        CHECK(!read(longer).status);
+        CHECK(!status(longer));
         seal(longer);
-        CHECK(!read(longer).status);
+        CHECK(!status(longer));
         CHECK(!hmesh::read_compact(nullptr, 0).status);
         CHECK(!hmesh::read_bare_compact(nullptr, 0).status);
     }
@@ -403,21 +459,27 @@ TEST_CASE("damage that checksums do not see gives a valid mesh or none") {
         ++passed;
         CHECK(is_tiling(got.mesh));
     };
-    for (const MeshKind& kind : {MeshKind{64, 64, 256, 12, 0, 30, 3, 0}, MeshKind{64, 64, 256, 12, 0, 30, 4, 0.3}}) {
-        const bool is_bare = kind.hidden == 0;
+    // Bare and not, exact and coarse, from nothing and from the start table.
+    for (std::size_t file = 0; file < 8; ++file) {
+        const bool is_bare = file % 2 == 0;
         CompactOptions options;
         options.bare = is_bare;
-        const Bytes whole = compact(random_mesh(kind, 9), options);
+        if (file % 4 >= 2) options.color_step = 120;
+        if (file >= 4) options.table = &hmesh::compact_photographs;
+        const auto read_any = [&](const Bytes& bytes) {
+            return is_bare ? read_bare(bytes, options.table) : read(bytes, options.table);
+        };
+        const Bytes whole = compact(random_mesh({64, 64, 256, 12, 0, 30, is_bare ? 3 : 4, is_bare ? 0 : 0.3}, 9 + file), options);
         for (std::size_t size = 0; size < whole.size(); ++size) {
             Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
             if (!is_bare) seal(cut);
-            look(is_bare ? read_bare(cut) : read(cut));
+            look(read_any(cut));
         }
         for (std::size_t bit = 0; bit < 8 * whole.size(); bit += hmesh_test::stride_if_sanitized(5)) {
             Bytes turned = whole;
             turned[bit / 8] = static_cast<unsigned char>(turned[bit / 8] ^ 1U << (bit % 8));
             if (!is_bare) seal(turned);
-            look(is_bare ? read_bare(turned) : read(turned));
+            look(read_any(turned));
         }
     }
     hmesh::kit::Random random(1);
