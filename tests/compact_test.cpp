@@ -124,6 +124,47 @@ TEST_CASE("meshes of all kinds come back as they were, and give the same bytes a
         }
 }
 
+TEST_CASE("meshes drawn at random, of 8 and of 16 bits, come back exactly or are refused before a byte is written") {
+    const char* const asked = std::getenv("HMESH_ROUND_TRIPS");  // by hand: 100000
+    const std::uint64_t count = asked != nullptr ? std::strtoull(asked, nullptr, 10) : 400 / hmesh_test::stride_if_sanitized(4);
+    std::vector<MeshKind> all = kinds();
+    all.push_back({65536, 1, 1, 60, 1, 60, 3, 0});    // slivers of 65,536 px
+    all.push_back({2, 2, 1, 60, 0, 600, 3, 0.5});     // crowded, far from Delaunay, pinched
+    all.push_back({40, 30, 256, 150, 3, 300, 3, 0});  // many on a line
+    std::size_t refused = 0;
+    for (std::uint64_t seed = 0; seed < count; ++seed) {
+        hmesh::kit::Random random(seed);
+        MeshKind kind = all[seed % all.size()];
+        kind.channels = 1 + static_cast<int>(random.below(4));
+        kind.points = random.below(kind.points + 1);
+        kind.flips = random.below(kind.flips + 1);
+        Mesh mesh = random_mesh(kind, 1000000 + seed);
+        CompactOptions options;
+        if (random.below(2) == 0) {
+            options.colors = CompactColors::bits16;
+            mesh.peak = 65535;
+            for (float& value : mesh.colors) value = static_cast<float>(random.below(65536));
+        }
+        Bytes bytes;
+        const auto sink = [&](const void* data, std::size_t size) {
+            const auto* const at = static_cast<const unsigned char*>(data);
+            bytes.insert(bytes.end(), at, at + size);
+            return true;
+        };
+        CAPTURE(seed);
+        if (!write_compact(mesh.view(), sink, options)) {
+            ++refused;
+            REQUIRE(bytes.empty());
+            continue;
+        }
+        const CompactMesh back = read(bytes);
+        REQUIRE(back.status);
+        REQUIRE(hmesh_test::difference(mesh, back.mesh) == "");
+    }
+    if (asked != nullptr) MESSAGE(count << " meshes, of which " << refused << " were refused");
+    CHECK(100 * refused <= count);
+}
+
 TEST_CASE("a vertex with spokes to all others, and strips along it, come back") {
     Mesh mesh = hmesh_test::two_faces(3);
     mesh.width = mesh.height = 64;
@@ -421,6 +462,32 @@ TEST_CASE("damage that checksums do not see gives a valid mesh or none") {
         look(read_bare(noise));
     }
     CHECK(passed > 0);
+}
+
+TEST_CASE("of files of every profile, cut anywhere or with any bit turned, what passes is a valid mesh") {
+    for (const char* const name : {"rgb", "gray", "holes", "wide", "bare", "coarse", "coarse_bare"}) {
+        CAPTURE(name);
+        std::ifstream file(std::string(HMESH_TEST_SOURCE) + "/golden/compact/" + name + ".hmc", std::ios::binary);
+        const Bytes whole{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+        REQUIRE(!whole.empty());
+        const bool is_bare = std::string(name).find("bare") != std::string::npos;
+        const auto look = [&](Bytes bytes) {
+            if (!is_bare) {
+                CHECK(!read(bytes).status);
+                seal(bytes);
+            }
+            const CompactMesh got = is_bare ? read_bare(bytes) : read(bytes);
+            CHECK((got.status ? is_tiling(got.mesh) : got.mesh.faces.empty() && got.mesh.positions.empty()));
+        };
+        for (std::size_t size = 0; size < whole.size(); size += hmesh_test::stride_if_sanitized(5))
+            look({whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size)});
+        for (std::size_t bit = 0; bit < 8 * whole.size(); bit += hmesh_test::stride_if_sanitized(41)) {
+            // Bits of the size and the checksum are put right again by seal(), and then the file is whole.
+            Bytes turned = whole;
+            turned[bit / 8] = static_cast<unsigned char>(turned[bit / 8] ^ 1U << (bit % 8));
+            look(std::move(turned));
+        }
+    }
 }
 
 TEST_CASE("heads that this version does not write are refused") {
