@@ -1,6 +1,5 @@
 #include "terrain/job/command.hpp"
 
-#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -9,6 +8,7 @@
 #include <vector>
 
 #include "job/receipt.hpp"
+#include "job/work.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/say.hpp"
 #include "terminal/standard_streams.hpp"
@@ -23,18 +23,13 @@ namespace {
 using job::Found;
 using job::Json;
 
-std::string count_of(std::size_t count, const char* one) { return std::to_string(count) + " " + one + (count == 1 ? "" : "s"); }
-
 int plan_job(const JobArguments& arguments) {
     Plan plan;
     if (const std::string why = make_plan(arguments, plan); !why.empty()) return tool::fail(tool::failed, why);
     if (arguments.quiet) return tool::done;
     std::string text =
-        "input      " + plan.input + ", " + std::to_string(plan.width) + " x " + std::to_string(plan.height) + " samples\n";
-    const std::vector<job::Phase> phases = phases_of(plan);
-    for (std::size_t k = 0; k < phases.size(); ++k)
-        text +=
-            "phase " + std::to_string(k + 1) + "    " + phases[k].what + ": " + count_of(phases[k].tasks.size(), "task") + "\n";
+        "input      " + plan.input.path + ", " + std::to_string(plan.width) + " x " + std::to_string(plan.height) + " samples\n";
+    text += job::lines_of(phases_of(plan));
     text += "written    " + plan.folder.path("plan.json") + ", build.ninja, slurm.sh, parallel.sh\n";
     if (plan.arguments.format == Format::quantized_mesh && !plan.globe)
         text += "note       no layer.json: the tiles are not those of Cesium's grid, see docs/terrain.md\n";
@@ -56,58 +51,16 @@ int run_tasks(const JobArguments& arguments) {
         return tool::fail(tool::failed, "cannot start the threads: " + error.code().message());
     }
     Worker worker(plan);
-    int status = tool::done;
-    for (std::size_t k = 0; k < tasks.size() && !tool::interrupted; ++k) {
-        std::string said;
-        // One that fails keeps no other from being done.
-        if (const std::string why = worker.run(tasks[k], *pool, said); !why.empty()) status = tool::fail(tool::failed, why);
-        else if (!arguments.quiet && tool::print(arguments.tasks[k] + "  " + said + "\n") != tool::done) return tool::failed;
-    }
-    return tool::interrupted ? tool::failed : status;
+    std::size_t next = 0;
+    return job::run_tasks(arguments.tasks, arguments.quiet,
+                          [&](const std::string&, std::string& said) { return worker.run(tasks[next++], *pool, said); });
 }
 
 int tell_status(const JobArguments& arguments) {
     Plan plan;
     if (const std::string why = read_plan(arguments.folder, "", plan); !why.empty()) return tool::fail(tool::failed, why);
-    std::string text, faults, ready;
-    std::size_t all = 0, all_done = 0;
-    const std::vector<job::Phase> phases = phases_of(plan);
-    std::vector<std::string> whole;  // sorted, of the phases before
-    for (std::size_t k = 0; k < phases.size(); ++k) {
-        std::size_t done = 0, damaged = 0;
-        std::vector<std::string> found;
-        for (const job::Task& task : phases[k].tasks) {
-            if (tool::interrupted) return tool::fail(tool::failed, "interrupted");
-            Json facts;
-            const job::Done state = job::find_done(plan.folder, plan.identity, task.name, job::Look::bytes, facts);
-            if (state.found == Found::whole) {
-                ++done;
-                found.push_back(task.name);
-                continue;
-            }
-            bool is_ready = true;
-            for (const std::string& need : task.needs)
-                is_ready = is_ready && std::binary_search(whole.begin(), whole.end(), need);
-            if (is_ready) ready += task.name + "\n";
-            if (state.found == Found::nothing) continue;
-            ++damaged;
-            faults += (state.found == Found::foreign ? "foreign    " : "damaged    ") + state.why + "\n";
-            if (arguments.mends)
-                if (const std::string why = plan.folder.remove(job::receipt_of(task.name)); !why.empty())
-                    return tool::fail(tool::failed, why);
-        }
-        std::sort(found.begin(), found.end());
-        whole = std::move(found);
-        text += "phase " + std::to_string(k + 1) + "    " + phases[k].what + ": " + std::to_string(done) + " of " +
-                count_of(phases[k].tasks.size(), "task") + " done";
-        if (damaged > 0) text += ", " + std::to_string(damaged) + (arguments.mends ? " taken back" : " damaged");
-        text += "\n";
-        all += phases[k].tasks.size();
-        all_done += done;
-    }
-    if (!arguments.quiet || arguments.lists_ready)
-        if (const int status = tool::print(arguments.lists_ready ? ready : text + faults); status != tool::done) return status;
-    return all == all_done ? tool::done : tool::failed;
+    return job::tell_status(plan.folder, plan.identity, phases_of(plan),
+                            {arguments.mends, arguments.lists_ready, arguments.quiet});
 }
 
 int join_job(const JobArguments& arguments) {
@@ -118,7 +71,8 @@ int join_job(const JobArguments& arguments) {
     if (done.found != Found::whole) return tool::fail(tool::failed, done.why);
     const Seams seams = seams_of(facts);
     if (seams.open > 0 && !arguments.takes_open_seams)
-        return tool::fail(tool::failed, "the tiles do not all meet: " + count_of(static_cast<std::size_t>(seams.open), "vertex") +
+        return tool::fail(tool::failed, "the tiles do not all meet: " + std::to_string(seams.open) +
+                                            (seams.open == 1 ? " vertex" : " vertices") +
                                             " of one that the other has not, first of " + seams.first +
                                             "; --open-seams joins them nevertheless");
     const Format format = format_of(arguments.output);

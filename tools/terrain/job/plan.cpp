@@ -3,67 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <nlohmann/json.hpp>
-#include <system_error>
 
-#include "arguments/values.hpp"
-#include "hmesh/core/version.hpp"
-#include "job/receipt.hpp"
-#include "job/sha256.hpp"
+#include "job/plan_file.hpp"
 #include "terrain/tile_maker.hpp"
 
 namespace terrain {
 namespace {
 
-namespace fs = std::filesystem;
 using job::Json;
 
-constexpr char plan_file[] = "plan.json", plan_kind[] = "job of hmesh-terrain";
+constexpr char program[] = "hmesh-terrain";
 constexpr std::size_t most_tiles = 1000000;
-
-// Whose bits are whose: another compiler may round otherwise, and tiles would not meet.
-std::string builder() {
-#if defined(__clang__)
-    const std::string name = "clang " __clang_version__;
-#elif defined(__GNUC__)
-    const std::string name = "g++ " __VERSION__;
-#elif defined(_MSC_VER)
-    const std::string name = "MSVC " + std::to_string(_MSC_FULL_VER);
-#else
-    const std::string name = "an unknown compiler";
-#endif
-#ifdef __FMA__
-    return name + " with FMA";
-#else
-    return name;
-#endif
-}
-
-// None of what is no plain file, as GDAL's names of other things are.
-std::string find_identity(const std::string& input, bool hashes, std::optional<InputIdentity>& identity) {
-    std::error_code code;
-    identity.reset();
-    if (!fs::is_regular_file(input, code)) {
-        return hashes ? "'" + input + "' is no plain file, which --hash could sum up" : "";
-    }
-    identity.emplace();
-    identity->bytes = fs::file_size(input, code);
-    if (!code) identity->modified = static_cast<std::int64_t>(fs::last_write_time(input, code).time_since_epoch().count());
-    if (code) return "cannot read '" + input + "': " + code.message();
-    if (!hashes) return {};
-    const std::string why = job::sha256_of_file(input, identity->sha256);
-    return why.empty() ? "" : "cannot read '" + input + "': " + why;
-}
-
-Json input_value(const Plan& plan) {
-    Json value = {{"path", plan.input}, {"bytes", nullptr}, {"modified", nullptr}, {"sha256", nullptr}};
-    if (!plan.input_identity) return value;
-    value["bytes"] = plan.input_identity->bytes;
-    value["modified"] = plan.input_identity->modified;
-    if (!plan.input_identity->sha256.empty()) value["sha256"] = plan.input_identity->sha256;
-    return value;
-}
 
 // Whether tiles are those of Cesium's grid, to a millionth of a tile's side.
 std::optional<GlobeGrid> find_globe(const Plan& plan, const Frame& frame, const Dem& dem) {
@@ -122,13 +73,11 @@ std::string parse_arguments(const std::string& input, const std::vector<std::str
     return line.wrong;
 }
 
-// Numbers in names have as many digits, so that they sort.
+// A number of a name, with as many digits as the largest.
 std::string digits(const Plan& plan, int number) {
-    int most = 9999;
+    int most = 0;
     for (const Level& level : plan.levels) most = std::max({most, level.across - 1, level.down - 1});
-    std::string text = std::to_string(number);
-    const std::size_t length = std::to_string(most).size();
-    return std::string(length - std::min(length, text.size()), '0') + text;
+    return job::digits(number, most);
 }
 
 std::string number_text(double number) {
@@ -140,21 +89,15 @@ std::string number_text(double number) {
 }  // namespace
 
 std::string make_plan(const JobArguments& job, Plan& plan) {
-    std::error_code code;
     plan = {};
     plan.folder = job::Folder(job.folder);
-    plan.input = fs::exists(job.input, code) ? fs::absolute(job.input).lexically_normal().string() : job.input;
+    if (std::string why = job::check_new(plan.folder); !why.empty()) return why;
+    if (std::string why = job::find_input(job.input, job.hashes, plan.input); !why.empty()) return why;
     plan.arguments = job.dem;
-    plan.arguments.input = plan.input;
-    const fs::path folder(job.folder);
-    if (fs::exists(folder, code) && !fs::is_directory(folder, code)) return "'" + job.folder + "' is no folder";
-    if (fs::exists(folder, code) && !plan.folder.has(plan_file) && !fs::is_empty(folder, code))
-        return "'" + job.folder + "' is not empty, and no job: name a new folder";
-
-    if (std::string why = find_identity(plan.input, job.hashes, plan.input_identity); !why.empty()) return why;
+    const std::string& input = plan.arguments.input = plan.input.path;
     DemPointer dem;
-    if (const std::string why = open_dem(plan.input, plan.arguments.reading, dem); !why.empty())
-        return "cannot read '" + plan.input + "': " + why;
+    if (const std::string why = open_dem(input, plan.arguments.reading, dem); !why.empty())
+        return "cannot read '" + input + "': " + why;
     plan.width = dem->width;
     plan.height = dem->height;
     std::vector<Tile> tiles;
@@ -166,7 +109,7 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     cut(plan);
     if (const auto count = static_cast<std::size_t>(plan.levels[0].across) * static_cast<std::size_t>(plan.levels[0].down);
         count > most_tiles)
-        return "'" + plan.input + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
+        return "'" + input + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
                ": take larger ones by --tiles";
     plan.globe = find_globe(plan, frame, *dem);
 
@@ -175,31 +118,21 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
         words.insert(words.end(), {"--tiles", std::to_string(plan.arguments.tile)});
     if (plan.arguments.format == Format::quantized_mesh && !plan.arguments.heights) {
         HeightRange heights;
-        if (const std::string why = find_heights(*dem, heights); !why.empty()) return "cannot read '" + plan.input + "': " + why;
+        if (const std::string why = find_heights(*dem, heights); !why.empty()) return "cannot read '" + input + "': " + why;
         words.insert(words.end(), {"--heights", number_text(heights.low) + "," + number_text(heights.high)});
     }
-    Json body = {{"is", plan_kind},
-                 {"version", HMESH_VERSION_STRING},
-                 {"compiler", builder()},
-                 {"input", input_value(plan)},
-                 {"reader", dem->reader},
-                 {"width", plan.width},
-                 {"height", plan.height},
-                 {"tiles", plan.arguments.tile},
-                 {"format", plan.arguments.format == Format::glb ? "glb" : "terrain"},
-                 {"frame", frame_value(frame)},
-                 {"globe", nullptr},
-                 {"options", words}};
+    Json body = job::begin_plan(program);
+    body["input"] = job::value_of(plan.input);
+    body["reader"] = dem->reader;
+    body["width"] = plan.width;
+    body["height"] = plan.height;
+    body["tiles"] = plan.arguments.tile;
+    body["format"] = plan.arguments.format == Format::glb ? "glb" : "terrain";
+    body["frame"] = frame_value(frame);
+    body["globe"] = nullptr;
+    body["options"] = words;
     if (plan.globe) body["globe"] = {plan.globe->zoom, plan.globe->west, plan.globe->north};
-    const std::string text = job::checked_text(body);
-    if (plan.folder.has(plan_file)) {
-        std::vector<unsigned char> before;
-        if (std::string why = plan.folder.read(plan_file, before); !why.empty()) return why;
-        if (std::string(before.begin(), before.end()) != text)
-            return "'" + job.folder + "' holds another plan, or its input has changed: name a new folder, or remove it";
-    } else if (std::string why = plan.folder.write(plan_file, text); !why.empty()) {
-        return why;
-    }
+    if (std::string why = job::write_plan(plan.folder, body); !why.empty()) return why;
     if (std::string why = read_plan(job.folder, "", plan); !why.empty()) return why;
     return job::write_engines(plan.folder, job.program, phases_of(plan));
 }
@@ -207,62 +140,31 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
 std::string read_plan(const std::string& folder, const std::string& input, Plan& plan) {
     plan = {};
     plan.folder = job::Folder(folder);
-    const std::string path = plan.folder.path(plan_file);
-    std::vector<unsigned char> text;
-    if (!plan.folder.has(plan_file)) return "'" + folder + "' is no job: '" + path + "' is missing";
-    if (std::string why = plan.folder.read(plan_file, text); !why.empty()) return why;
     Json body;
-    if (!job::parse_checked(text, body)) return "'" + path + "' is damaged: its checksum is not that of its words";
-    if (!body.contains("is") || body["is"] != plan_kind) return "'" + path + "' is no plan of hmesh-terrain's";
-    if (const std::string version = body["version"]; version != HMESH_VERSION_STRING)
-        return "'" + path + "' was made by hmesh-terrain " + version + ", and this is " HMESH_VERSION_STRING;
-    if (const std::string compiler = body["compiler"]; compiler != builder())
-        return "'" + path + "' was made by an hmesh-terrain of " + compiler + ", and this is one of " + builder() +
-               ", whose tiles need not meet those of that";
-    plan.identity = job::sha256_of(text.data(), text.size());
-    const Json& in = body["input"];
-    plan.input = in["path"].get<std::string>();
+    if (std::string why = job::read_plan(plan.folder, program, body, plan.identity); !why.empty()) return why;
+    plan.input = job::input_of(body["input"]);
     plan.reader = body["reader"].get<std::string>();
-    if (!in["bytes"].is_null()) {
-        plan.input_identity = InputIdentity{in["bytes"].get<std::uint64_t>(), in["modified"].get<std::int64_t>(), ""};
-        if (!in["sha256"].is_null()) plan.input_identity->sha256 = in["sha256"].get<std::string>();
-    }
     plan.width = body["width"].get<int>();
     plan.height = body["height"].get<int>();
     plan.frame = frame_of(body["frame"]);
     if (const Json& globe = body["globe"]; !globe.is_null())
         plan.globe = GlobeGrid{globe[0].get<int>(), globe[1].get<int>(), globe[2].get<int>()};
-    if (const std::string why = parse_arguments(input.empty() ? plan.input : input,
+    if (const std::string why = parse_arguments(input.empty() ? plan.input.path : input,
                                                 body["options"].get<std::vector<std::string>>(), body["format"], plan);
         !why.empty())
-        return "'" + path + "' has options that mean nothing: " + why;
+        return "'" + plan.folder.path("plan.json") + "' has options that mean nothing: " + why;
     cut(plan);
     return {};
 }
 
 std::string open_input(const Plan& plan, DemPointer& dem) {
     const std::string& input = plan.arguments.input;
-    const std::string other = "'" + input + "' is not the input that was planned: ";
-    if (const auto& planned = plan.input_identity) {
-        std::optional<InputIdentity> now;
-        std::error_code code;
-        if (!fs::exists(input, code))
-            return "cannot read '" + input + "': there is no such file" + (code ? ": " + code.message() : "");
-        if (std::string why = find_identity(input, false, now); !why.empty()) return why;
-        if (!now) return other + "it is no plain file";
-        if (now->bytes != planned->bytes)
-            return other + "it has " + std::to_string(now->bytes) + " bytes, and had " + std::to_string(planned->bytes);
-        if (now->modified != planned->modified) {
-            if (planned->sha256.empty()) return other + "it has been written since; with --hash a plan goes by its bytes";
-            if (std::string why = find_identity(input, true, now); !why.empty()) return why;
-            if (now->sha256 != planned->sha256) return other + "its bytes are others";
-        }
-    }
+    if (std::string why = job::check_input(input, plan.input); !why.empty()) return why;
     if (const std::string why = open_dem(input, plan.arguments.reading, dem); !why.empty())
         return "cannot read '" + input + "': " + why;
     if (dem->width != plan.width || dem->height != plan.height)
-        return other + "it has " + std::to_string(dem->width) + " x " + std::to_string(dem->height) + " samples, and had " +
-               std::to_string(plan.width) + " x " + std::to_string(plan.height);
+        return job::not_as_planned(input) + "it has " + std::to_string(dem->width) + " x " + std::to_string(dem->height) +
+               " samples, and had " + std::to_string(plan.width) + " x " + std::to_string(plan.height);
     return {};
 }
 
@@ -277,24 +179,14 @@ std::string name_of(const Plan& plan, const TaskName& task) {
 }
 
 std::string find_task(const Plan& plan, const std::string& name, TaskName& task) {
-    const std::string wrong = "'" + name + "' is no task of this job: phase_1.txt and so on list them";
-    std::vector<std::int64_t> numbers;
-    const std::size_t first = name.find('_');
-    for (std::size_t from = first; from != std::string::npos;) {
-        const std::size_t to = name.find('_', from + 1);
-        numbers.emplace_back();
-        const std::string text = name.substr(from + 1, to == std::string::npos ? to : to - from - 1);
-        if (!tool::parse_in_range(text, 0, 1000000000, numbers.back()).empty()) return wrong;
-        from = to;
-    }
-    const auto number = [&](std::size_t k) { return k < numbers.size() ? static_cast<int>(numbers[k]) : 0; };
+    const auto [kind, numbers] = job::parts_of(name);
+    const auto number = [&, &all = numbers](std::size_t k) { return k < all.size() ? all[k] : 0; };
     task = {};
-    const std::string kind = name.substr(0, first);
     if (kind == "tile") task = {TaskKind::tile, number(0), number(1), number(2)};
     if (kind == "seams") task = {TaskKind::seams, number(0), 0, number(1)};
     const auto level = static_cast<std::size_t>(task.level);
     const bool is_there = level < plan.levels.size() && task.x < plan.levels[level].across && task.y < plan.levels[level].down;
-    return is_there && name_of(plan, task) == name ? "" : wrong;
+    return is_there && name_of(plan, task) == name ? "" : job::no_task(name);
 }
 
 std::vector<job::Phase> phases_of(const Plan& plan) {

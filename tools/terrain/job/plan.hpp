@@ -5,8 +5,7 @@
 //     seams_L_Y     whether the tiles of a row, and of the row south of it, meet bit for bit: from their files
 //     index         what all tiles are together: index.json, and tileset.json or layer.json, in tiles/
 //
-// The plan's identity is the checksum of all that it says, the program's version and compiler among it: receipts carry it, and
-// what is of another plan is refused.
+// Its identity is that of the file (job/plan_file.hpp).
 #ifndef HMESH_TERRAIN_JOB_PLAN_HPP
 #define HMESH_TERRAIN_JOB_PLAN_HPP
 
@@ -16,6 +15,7 @@
 #include <vector>
 
 #include "job/folder.hpp"
+#include "job/input.hpp"
 #include "job/phases.hpp"
 #include "terrain/arguments.hpp"
 #include "terrain/dem.hpp"
@@ -24,13 +24,6 @@
 #include "terrain/tiles.hpp"
 
 namespace terrain {
-
-// Which input it was, where it is a plain file.
-struct InputIdentity {
-    std::uint64_t bytes = 0;
-    std::int64_t modified = 0;  // nanoseconds by the file system's clock
-    std::string sha256;         // empty: it is known by the two above
-};
 
 // Of a level of detail: tiles from the west and from the north.
 struct Level {
@@ -46,8 +39,8 @@ struct GlobeGrid {
 struct Plan {
     job::Folder folder{""};
     std::string identity;
-    std::string input, reader;  // as it was planned
-    std::optional<InputIdentity> input_identity;
+    job::Input input;
+    std::string reader;              // of the input, as it was planned
     int width = 0, height = 0;       // samples
     Arguments arguments;             // of all tiles, the input where it is on this machine
     Frame frame;                     // of all tiles

@@ -1,11 +1,10 @@
 #include "terrain/job/tasks.hpp"
 
 #include <algorithm>
-#include <chrono>
-#include <cmath>
-#include <ctime>
+#include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "job/work.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terrain/job/places.hpp"
 
@@ -157,7 +156,7 @@ std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
         }
     }
     Json index = report_value(plan_.arguments, *dem_, plan_.frame, tiles, ends);
-    index["input"] = plan_.input;  // on whatever machine this is
+    index["input"] = plan_.input.path;  // on whatever machine this is
     index["reader"] = plan_.reader;
     index["plan"] = plan_.identity;
     Json values = std::move(index["tiles"]);
@@ -184,43 +183,30 @@ std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
 }
 
 std::string Worker::run(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::string& said) {
-    const std::string name = name_of(plan_, task);
-    Json facts;
-    if (job::find_done(plan_.folder, plan_.identity, name, job::Look::bytes, facts).found == job::Found::whole) {
-        said = "done before";
+    const auto work = [&](std::vector<job::Made>& made, Json& facts, std::string& told) -> std::string {
+        switch (task.kind) {
+            case TaskKind::tile: {
+                if (std::string why = make_tile(task, parallel_for, made, facts); !why.empty()) return why;
+                const TileEnd end = facts_of(facts).end;
+                char text[64];
+                std::snprintf(text, sizeof text, "off by at most %.6g", end.max_error);
+                told = end.kind == Kind::empty ? "no data, no file" : std::to_string(end.triangles) + " triangles, " + text;
+                return {};
+            }
+            case TaskKind::seams: {
+                Seams seams;
+                if (std::string why = find_seams(plan_, task.level, task.y, seams); !why.empty()) return why;
+                facts = terrain::value_of(seams);
+                told = in_words(seams);
+                return {};
+            }
+            case TaskKind::index: break;
+        }
+        if (std::string why = make_index(made, facts); !why.empty()) return why;
+        told = in_words(seams_of(facts));
         return {};
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    const std::clock_t began = std::clock();
-    std::vector<job::Made> made;
-    switch (task.kind) {
-        case TaskKind::tile: {
-            if (std::string why = make_tile(task, parallel_for, made, facts); !why.empty()) return why;
-            const TileEnd end = facts_of(facts).end;
-            char text[64];
-            std::snprintf(text, sizeof text, "off by at most %.6g", end.max_error);
-            said = end.kind == Kind::empty ? "no data, no file" : std::to_string(end.triangles) + " triangles, " + text;
-            break;
-        }
-        case TaskKind::seams: {
-            Seams seams;
-            if (std::string why = find_seams(plan_, task.level, task.y, seams); !why.empty()) return why;
-            facts = terrain::value_of(seams);
-            said = in_words(seams);
-            break;
-        }
-        case TaskKind::index: {
-            if (std::string why = make_index(made, facts); !why.empty()) return why;
-            said = in_words(seams_of(facts));
-            break;
-        }
-    }
-    if (tool::interrupted) return "interrupted; " + name + " is not done";
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    // In the receipt alone: no other file says how long anything took.
-    facts["seconds"] = std::round(seconds * 1e6) / 1e6;
-    facts["processor_seconds"] = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC;
-    return job::write_receipt(plan_.folder, plan_.identity, name, made, facts);
+    };
+    return job::do_task(plan_.folder, plan_.identity, name_of(plan_, task), said, work);
 }
 
 }  // namespace terrain
