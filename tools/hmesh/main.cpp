@@ -1,18 +1,19 @@
 // hmesh - the command: image files become meshes. See `hmesh --help`.
 #include <cstddef>
-#include <exception>
-#include <new>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "arguments/arguments.hpp"
 #include "arguments/clashes.hpp"
+#include "arguments/tile_job.hpp"
 #include "job.hpp"
+#include "terminal/answer.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/say.hpp"
 #include "terminal/standard_streams.hpp"
 #include "thread_pool.hpp"
+#include "tiles/command.hpp"
 
 namespace tool {
 namespace {
@@ -42,13 +43,13 @@ int run(const std::vector<Arguments>& images) {
 }  // namespace tool
 
 int main(int argc, char** argv) {
-    const tool::CommandLine line = tool::parse({argv + (argc > 0 ? 1 : 0), argv + argc});
-    if (!line.wrong.empty()) return tool::fail(tool::wrong_usage, line.wrong);
-    if (!line.answer.empty()) return tool::print(line.answer);
-    std::set_terminate(tool::give_up);
-    try {
-        return tool::run(line.images);
-    } catch (const std::bad_alloc&) {
-        return tool::fail(tool::failed, tool::no_memory);
+    const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
+    // An image named job is ./job.
+    if (words.empty() || words.front() != "job") {
+        const tool::CommandLine line = tool::parse(words);
+        return tool::answer(line, [&] { return tool::run(line.images); });
     }
+    tool::TileJobLine line = tool::parse_tile_job({words.begin() + 1, words.end()});
+    if (line.arguments.program.empty()) line.arguments.program = tool::program_path(argv[0]);
+    return tool::answer(line, [&] { return tool::run_tile_job(line.arguments); });
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "arguments/command_words.hpp"
+#include "arguments/job_options.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
@@ -16,6 +17,7 @@ namespace {
 
 using tool::add;
 using tool::add_name;
+using tool::JobCommand;
 
 constexpr tool::Note notes[] = {
     {"Local metres",
@@ -177,10 +179,6 @@ CLI::Option* add_tiles(CLI::App& app, Arguments& out, const char* description) {
     });
 }
 
-void add_jobs(CLI::App& app, const char* description, unsigned& jobs) {
-    add(app, "--jobs", "N", description, [&](const std::string& text) { return tool::parse_in_range(text, 0, 1024, jobs); });
-}
-
 void add_tile_options(CLI::App& app, Arguments& out) {
     CLI::Option* tiles =
         add_tiles(app, out,
@@ -197,7 +195,7 @@ void add_tile_options(CLI::App& app, Arguments& out) {
         "--resume", [&] { out.resumes = true; },
         "leave tiles as they are whose files are newer than the input. They are whole, but of which\n"
         "options they were made is not looked at");
-    add_jobs(app, "work on N tiles at once, or on one with N threads, 1 to 1024 (default: 0, all cores)", out.jobs);
+    tool::add_jobs(app, "work on N tiles at once, or on one with N threads, 1 to 1024 (default: 0, all cores)", out.jobs);
 }
 
 void add_model_options(CLI::App& app, Arguments& out) {
@@ -226,21 +224,7 @@ void add_model_options(CLI::App& app, Arguments& out) {
         });
 }
 
-void add_other_options(CLI::App& app, bool& quiet) {
-    app.option_defaults()->group("What is said");
-    app.add_flag_callback(
-        "-q,--quiet", [&] { quiet = true; }, "print errors only");
-    tool::add_help(app, "print the version, and what reads files");
-}
-
-// One or more names.
-void add_names(CLI::App& app, const char* name, const std::string& description, std::vector<std::string>& names) {
-    const auto set = [&](const CLI::results_t& texts) {
-        names = texts;
-        return true;
-    };
-    app.add_option(name, set, description)->expected(1, CLI::detail::expected_max_vector_size)->allow_extra_args()->required();
-}
+constexpr char version_words[] = "print the version, and what reads files";
 
 std::string dem_words() { return "one file of one channel: " + formats_read() + ";\nor raw numbers, see --size"; }
 
@@ -309,13 +293,13 @@ CommandLine parse(const std::vector<std::string>& words) {
     tool::lay_out(app, "The heights");
     app.footer(tool::footer(words_of_command.notes));
     std::vector<std::string> inputs;
-    add_names(app, "DEM", dem_words(), inputs);
+    tool::add_names(app, "DEM", dem_words(), inputs);
     add_output_options(app, arguments);
     add_reading_options(app, arguments);
     add_mesh_options(app, arguments);
     add_tile_options(app, arguments);
     add_model_options(app, arguments);
-    add_other_options(app, arguments.quiet);
+    tool::add_quiet(app, arguments.quiet, version_words);
     tool::add_words(app);
     try {
         line.wrong = tool::parse_words(app, words, "no input file is given");
@@ -367,31 +351,14 @@ std::vector<std::string> words_of(const CLI::App& app) {
     return words;
 }
 
-void begin_job(CLI::App& app, const char* inputs) {
-    tool::lay_out(app, inputs);
-    app.option_defaults()->group("The job");
-}
-
-void add_folder(CLI::App& app, JobArguments& out) { app.add_option("JOB", out.folder, "the job's folder")->required(); }
-
 void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>& inputs) {
-    begin_job(app, "The heights");
+    tool::begin_job(app, "The heights");
     app.footer(plan_footer);
-    add_names(app, "DEM", dem_words(), inputs);
-    add(app, "-o,--output", "JOB", "the folder to write the job into", [&](const std::string& text) {
-        out.folder = text;
-        return "";
-    });
+    tool::add_names(app, "DEM", dem_words(), inputs);
+    tool::add_plan_options(app, out);
     add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)",
              job_formats, [&](Format format) { out.dem.format = format; });
-    app.add_flag_callback(
-        "--hash", [&] { out.hashes = true; },
-        "the input is known by its bytes, for machines that have copies of it; else by its size\nand time");
-    add(app, "--program", "PATH", "how engines find this program (default: as it was called now)", [&](const std::string& text) {
-        out.program = text;
-        return "";
-    });
-    add_other_options(app, out.quiet);
+    tool::add_quiet(app, out.quiet, version_words);
     app.option_defaults()->group("How the input is read");
     add_reading_options(app, out.dem);
     add_mesh_options(app, out.dem);
@@ -399,47 +366,14 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
     add_model_options(app, out.dem);
 }
 
-void add_run_options(CLI::App& app, JobArguments& out) {
-    begin_job(app, "What is done");
-    app.footer(
-        "A task that is done already is not done again. One whose input is missing, of another plan or damaged says so and\n"
-        "writes nothing.");
-    add_folder(app, out);
-    add_names(app, "TASK", "names of tasks, as phase_1.txt lists them", out.tasks);
-    add(app, "--input", "PATH", "where the input is on this machine, in place of where it was planned",
-        [&](const std::string& text) {
-            out.input = text;
-            return "";
-        });
-    out.jobs = 1;
-    add_jobs(app, "work with N threads, 1 to 1024, or 0, all cores (default: 1)", out.jobs);
-    add_other_options(app, out.quiet);
-}
-
-void add_status_options(CLI::App& app, JobArguments& out) {
-    begin_job(app, "What is done");
-    app.footer("Exit status: 0 all is done, 1 not yet.");
-    add_folder(app, out);
-    app.add_flag_callback(
-        "--mend", [&] { out.mends = true; },
-        "take back receipts of tasks whose files are damaged, so that engines do them again");
-    app.add_flag_callback(
-        "--ready", [&] { out.lists_ready = true; },
-        "print the names of tasks that can be done now, one a line, and nothing else");
-    add_other_options(app, out.quiet);
-}
-
 void add_join_options(CLI::App& app, JobArguments& out) {
-    begin_job(app, "What is done");
-    add_folder(app, out);
-    add(app, "-o,--output", "PATH", "a file that ends in .ply, .obj or .glb, or a folder for tiles and their index",
-        [&](const std::string& text) {
-            out.output = text;
-            return "";
-        });
+    tool::begin_job(app, "What is done");
+    tool::add_folder(app, out);
+    tool::add_text(app, "-o,--output", "PATH", "a file that ends in .ply, .obj or .glb, or a folder for tiles and their index",
+                   out.output);
     app.add_flag_callback(
         "--open-seams", [&] { out.takes_open_seams = true; }, "join tiles that do not meet, too");
-    add_other_options(app, out.quiet);
+    tool::add_quiet(app, out.quiet, version_words);
 }
 
 std::string find_conflict(const CLI::App& app, JobArguments& job) {
@@ -459,30 +393,17 @@ std::string find_conflict(const CLI::App& app, JobArguments& job) {
 JobCommandLine parse_job(const std::vector<std::string>& words) {
     JobCommandLine line;
     JobArguments& job = line.arguments;
-    const std::string command = words.empty() ? "" : words.front();
-    if (command.empty() || command == "-h" || command == "--help") {
-        (command.empty() ? line.wrong : line.answer) =
-            command.empty() ? "job is given without plan, run, status or join" : job_help;
-        return line;
-    }
-    if (const std::string why = tool::find_name(job_commands, command, job.command); !why.empty()) {
-        line.wrong = "job '" + command + "' " + why;
-        return line;
-    }
-    CLI::App app("", "hmesh-terrain job " + command);
+    if (!tool::find_job_command(words, job_help, job, line.wrong, line.answer)) return line;
+    CLI::App app("", "hmesh-terrain job " + words.front());
     std::vector<std::string> inputs;
     switch (job.command) {
         case JobCommand::plan: add_plan_options(app, job, inputs); break;
-        case JobCommand::run: add_run_options(app, job); break;
-        case JobCommand::status: add_status_options(app, job); break;
+        case JobCommand::run: tool::add_run_options(app, job, version_words); break;
+        case JobCommand::status: tool::add_status_options(app, job, version_words); break;
         case JobCommand::join: add_join_options(app, job); break;
     }
     try {
-        const bool names_tasks = job.command == JobCommand::run;
-        line.wrong = tool::parse_words(app, {words.begin() + 1, words.end()},
-                                       job.command == JobCommand::plan ? "no input file is given"
-                                       : names_tasks                   ? "no folder or no task is given"
-                                                                       : "no folder is given");
+        line.wrong = tool::parse_words(app, {words.begin() + 1, words.end()}, tool::missing_words(job.command));
     } catch (const tool::Question& question) {
         line.answer = tool::answer(app, question, version(), {}, {});
         return line;

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "arguments/named.hpp"
+#include "arguments/job_call.hpp"
 #include "terrain/readers/readers.hpp"
 
 namespace terrain {
@@ -73,26 +73,11 @@ struct CommandLine {
 // The words after the program's name.
 [[nodiscard]] CommandLine parse(const std::vector<std::string>& words);
 
-enum class JobCommand : std::uint8_t { plan, run, status, join };
-
-inline constexpr tool::Named<JobCommand> job_commands[] = {
-    {"plan", JobCommand::plan}, {"run", JobCommand::run}, {"status", JobCommand::status}, {"join", JobCommand::join}};
-
 // What `hmesh-terrain job` was asked for.
-struct JobArguments {
-    JobCommand command = JobCommand::plan;
-    std::string folder;
-    std::string input;                        // of plan; of run: where it is on this machine, empty: where it was planned
-    Arguments dem;                            // of plan: of all tiles
-    std::vector<std::string> words;           // of plan: the options that say what is made, for parse()
-    bool hashes = false;                      // of plan: the input's bytes
-    std::string program;                      // of plan: how engines call it; empty: as it was called
-    std::vector<std::string> tasks;           // of run
-    unsigned jobs = 1;                        // of run: threads; 0: as many as cores
-    bool mends = false, lists_ready = false;  // of status
-    std::string output;                       // of join
-    bool takes_open_seams = false;            // of join
-    bool quiet = false;
+struct JobArguments : tool::JobCall {
+    Arguments dem;                   // of plan: of all tiles
+    std::vector<std::string> words;  // of plan: the options that say what is made, for parse()
+    bool takes_open_seams = false;   // of join
 };
 
 struct JobCommandLine {

@@ -9,7 +9,9 @@
 
 #include "arguments/command_words.hpp"
 #include "arguments/map_names.hpp"
+#include "arguments/job_options.hpp"
 #include "arguments/parser.hpp"
+#include "arguments/tile_job.hpp"
 #include "arguments/patterns.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
@@ -309,6 +311,7 @@ constexpr Note notes[] = {
     {"Several maps",
      "images of --with become one mesh with the channels of all, each drawn by --render in a file of its own,\n"
      "whose name ends in the map's. Samples of 8 bits become 16, and floats where one of the images has floats."},
+    {"Jobs", "images that are more than one machine's work: hmesh job --help."},
     {"Examples",
      "  hmesh rock.png --with rock_normal.png --with rough=rock_r.png -o rock.glb --glb packed\n"
      "  hmesh photo.png -o mesh.glb -o mesh.html --rate 2\n"
@@ -626,6 +629,105 @@ CommandLine parse(const std::vector<std::string>& words) {
     } catch (const Question& question) {
         line.answer = answer(app, question, version(), words_of_command, {"output", "with", "IMAGE"});
     }
+    return line;
+}
+
+// ---- hmesh job ----
+
+namespace {
+
+constexpr char job_help[] =
+    "Meshes an image as a job in files: a folder in which a plan says what is to be done, and any engine does it, task after\n"
+    "task, on one machine or on many that share the folder. The files are byte for byte those of one process, whatever engine,\n"
+    "order, machine or restart.\n"
+    "\n"
+    "  hmesh job plan IMAGE -o JOB     writes what is to be done, and build.ninja, slurm.sh and parallel.sh, by which ninja,\n"
+    "                                  Slurm and GNU parallel do it\n"
+    "  hmesh job run JOB TASK...       does tasks\n"
+    "  hmesh job status JOB            says what is done, and what is missing or damaged\n"
+    "  hmesh job join JOB -o FILE      one mesh file, or a folder of tiles with its index\n"
+    "\n"
+    "`hmesh job plan --help`, and so on, lists options. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+
+constexpr char plan_footer[] =
+    "JOB is a new folder: nothing outside of it is written. The same plan may be made again. Samples are points, as with\n"
+    "--samples points: the mesh of W x H of them is W - 1 wide and H - 1 high, and tiles share a row of samples.\n"
+    "Examples:\n"
+    "  hmesh job plan slide.tif -o job --rate 1 && ninja -C job && hmesh job join job -o slide.glb\n"
+    "  hmesh job plan mosaic.ppm -o job --tile 2048 && job/slurm.sh --partition=short";
+
+constexpr char version_words[] = "print the version, and which image files are read by what";
+
+void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inputs) {
+    begin_job(app, "The image");
+    app.footer(plan_footer);
+    add_names(app, "IMAGE", "one file; PGM, PPM, PFM and TIFF are read by rectangles, others as a whole by each process", inputs);
+    add_plan_options(app, out);
+    add_quiet(app, out.quiet, version_words);
+    app.option_defaults()->group("How the mesh is made");
+    CLI::Option* vertices = add(app, "--vertices", "N", "the whole mesh has N vertices", [&](const std::string& text) {
+        std::int64_t count = 0;
+        std::string why = parse_in_range(text, 4, std::int64_t{1} << 32, count);
+        out.target = hmesh::Target::vertices(count);
+        return why;
+    });
+    add(app, "--rate", "PERCENT", "PERCENT vertices for 100 pixels (default: 1)", [&](const std::string& text) {
+        double percent = 0;
+        std::string why = parse_positive(text, 100, percent);
+        out.target = hmesh::Target::percent(percent);
+        return why;
+    })->excludes(vertices);
+    add_name(app, "--effort", "draft, fast, normal, fine or best: how long to look for a better mesh (default: normal)", efforts,
+             [&](hmesh::Effort effort) { out.tiles.effort = effort; });
+    add(app, "--tile", "N", "tiles of at most N samples from line to line, 64 to 65536 (default: 4096)",
+        [&](const std::string& text) { return parse_in_range(text, 64, 65536, out.tiles.tile); });
+    add(app, "--border-tolerance", "X",
+        "sides of tiles pass their samples within X, in stored values (default: about twice the mean\n"
+        "error of the whole, as the looks at the tiles foretell it)",
+        [&](const std::string& text) { return parse_at_least_0(text, 65535, out.tiles.border_tolerance.emplace()); });
+    add(app, "--seed", "N", "of the random numbers (default: 1)",
+        [&](const std::string& text) { return parse_seed(text, out.tiles.seed); });
+}
+
+constexpr Named<const char*> tile_formats[] = {{"glb", "glb"}, {"ply", "ply"}, {"obj", "obj"}, {"hmc", "hmc"}};
+
+void add_join_options(CLI::App& app, TileJob& out) {
+    begin_job(app, "What is done");
+    add_folder(app, out);
+    add_text(app, "-o,--output", "PATH", "a file with the ending of a mesh format, or a folder for tiles and their index", out.output);
+    out.format = tile_formats[0].value;
+    add_name(app, "--format", "of tiles in a folder: glb, ply, obj or hmc (default: glb)", tile_formats,
+             [&](const char* format) { out.format = format; });
+    add_quiet(app, out.quiet, version_words);
+}
+
+}  // namespace
+
+TileJobLine parse_tile_job(const std::vector<std::string>& words) {
+    TileJobLine line;
+    TileJob& job = line.arguments;
+    if (!find_job_command(words, job_help, job, line.wrong, line.answer)) return line;
+    CLI::App app("", "hmesh job " + words.front());
+    std::vector<std::string> inputs;
+    switch (job.command) {
+        case JobCommand::plan: add_tile_options(app, job, inputs); break;
+        case JobCommand::run: add_run_options(app, job, version_words); break;
+        case JobCommand::status: add_status_options(app, job, version_words); break;
+        case JobCommand::join: add_join_options(app, job); break;
+    }
+    try {
+        line.wrong = parse_words(app, {words.begin() + 1, words.end()}, missing_words(job.command));
+    } catch (const Question& question) {
+        line.answer = answer(app, question, version(), {}, {});
+        return line;
+    }
+    if (!line.wrong.empty()) return line;
+    if (job.command == JobCommand::join && job.output.empty()) line.wrong = "no output is given: -o names it";
+    if (job.command != JobCommand::plan) return line;
+    if (inputs.size() > 1) line.wrong = "'" + inputs[0] + "' and '" + inputs[1] + "' are two images: each is a job of its own";
+    else if (is_standard(inputs.front())) line.wrong = "the standard input is no file, of which parts can be read";
+    else if (job.folder.empty()) line.wrong = "no folder is given: -o names it";
+    job.input = inputs.front();
     return line;
 }
 

@@ -2,35 +2,25 @@
 #ifndef HMESH_TOOLS_RESULTS_READ_MESH_HPP
 #define HMESH_TOOLS_RESULTS_READ_MESH_HPP
 
-#include <algorithm>
 #include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arguments/arguments.hpp"
-#include "hmesh/io/compact.hpp"
-#include "hmesh/io/compact/photographs.hpp"
 #include "readers/image_file.hpp"
 #include "results/lines.hpp"
 #include "results/made.hpp"
+#include "results/mesh_file.hpp"
 #include "terminal/words.hpp"
 
 namespace tool {
-
-// By the first bytes.
-[[nodiscard]] inline bool is_mesh_file(const std::vector<unsigned char>& bytes) {
-    const auto& magic = hmesh::detail::compact_magic;
-    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-}
 
 // Makes `made` the mesh of the file, `image` one of its size without pixels, and the arguments say what its colours are. Returns
 // "" or what is wrong, as the end of a sentence that begins with the file's name.
 [[nodiscard]] inline std::string read_mesh(const std::vector<unsigned char>& bytes, Arguments& arguments, ImageFile& image,
                                            Made& made) {
-    hmesh::CompactLimits limits;
-    limits.max_vertices = 1 << 24;
-    hmesh::CompactMesh read = hmesh::read_compact(bytes.data(), bytes.size(), limits, &hmesh::compact_photographs);
+    hmesh::CompactMesh read = read_mesh_file(bytes);
     if (!read.status) return in_words(read.status);
     image.width = read.mesh.width;
     image.height = read.mesh.height;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "results/mesh_file.hpp"
 #include "results/web_page.hpp"
 #include "results/write_depfile.hpp"
 #include "terminal/progress_watch.hpp"
@@ -76,11 +77,6 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
         if (why = write_picture(arguments.strip, status, to_picture(rgb)); !why.empty()) return why;
     }
     return {};
-}
-
-// Of colours of a mesh of such samples: as many bits, and the very floats of floats.
-hmesh::CompactColors compact_colors(int bits) {
-    return bits == 8 ? hmesh::CompactColors::bits8 : bits == 16 ? hmesh::CompactColors::bits16 : hmesh::CompactColors::floats;
 }
 
 // What a file of this format holds of a level: its twin for linear light where there is one.

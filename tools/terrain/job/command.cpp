@@ -22,6 +22,7 @@ namespace {
 
 using job::Found;
 using job::Json;
+using tool::JobCommand;
 
 int plan_job(const JobArguments& arguments) {
     Plan plan;

@@ -1,0 +1,24 @@
+#include "results/mesh_file.hpp"
+
+#include <algorithm>
+
+#include "hmesh/io/compact/photographs.hpp"
+
+namespace tool {
+
+bool is_mesh_file(const std::vector<unsigned char>& bytes) {
+    const auto& magic = hmesh::detail::compact_magic;
+    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
+}
+
+hmesh::CompactMesh read_mesh_file(const std::vector<unsigned char>& bytes) {
+    hmesh::CompactLimits limits;
+    limits.max_vertices = 1 << 24;
+    return hmesh::read_compact(bytes.data(), bytes.size(), limits, &hmesh::compact_photographs);
+}
+
+hmesh::CompactColors compact_colors(int bits) noexcept {
+    return bits == 8 ? hmesh::CompactColors::bits8 : bits == 16 ? hmesh::CompactColors::bits16 : hmesh::CompactColors::floats;
+}
+
+}  // namespace tool

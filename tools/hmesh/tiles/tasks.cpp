@@ -1,0 +1,269 @@
+#include "tiles/tasks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "arguments/arguments.hpp"
+#include "hmesh/core/psnr.hpp"
+#include "hmesh/core/version.hpp"
+#include "job/work.hpp"
+#include "meshing.hpp"
+#include "results/mesh_file.hpp"
+#include "terminal/progress_watch.hpp"
+#include "terminal/words.hpp"
+#include "tiles/seams.hpp"
+#include "writers/formats.hpp"
+
+namespace tool {
+namespace {
+
+using job::Json;
+
+// Of a task that must be done.
+std::string find_facts(const TilePlan& plan, const TileTask& task, job::Done& done, Json& facts) {
+    done = job::find_done(plan.folder, plan.identity, name_of(plan, task), job::Look::sizes, facts);
+    return done.why;
+}
+
+MeshingOptions meshing_of(const TilePlan& plan, std::size_t vertices, hmesh::Progress progress) {
+    MeshingOptions options;
+    options.target = hmesh::Target::vertices(static_cast<std::int64_t>(vertices));
+    options.effort = plan.options.effort;
+    options.seed = plan.options.seed;
+    options.samples = hmesh::Samples::points;
+    options.progress = progress;
+    return options;
+}
+
+std::vector<double> tolerances_of(const TilePlan& plan, double peak) {
+    return plan.options.border_tolerance ? std::vector<double>{*plan.options.border_tolerance} : side_tolerances(peak);
+}
+
+Json value_of(const TileSeams& seams) {
+    return {{"pairs", seams.pairs}, {"shared", seams.shared}, {"open", seams.open}, {"first", seams.first}};
+}
+
+std::string in_words(const TileSeams& seams) {
+    std::string text = std::to_string(seams.pairs) + " pairs, " + std::to_string(seams.shared) + " vertices shared";
+    if (seams.open > 0) text += ", " + std::to_string(seams.open) + " that the other has not";
+    return text;
+}
+
+}  // namespace
+
+std::string find_tile(const TilePlan& plan, const TileTask& tile, TileFacts& facts) {
+    job::Done done;
+    Json found;
+    if (std::string why = find_facts(plan, tile, done, found); !why.empty()) return why;
+    facts.vertices = found["vertices"].get<std::size_t>();
+    facts.faces = found["faces"].get<std::size_t>();
+    facts.energy = found["energy"].get<double>();
+    facts.max_error = found["max_error"].get<double>();
+    facts.file = done.made.front();
+    return {};
+}
+
+std::string read_tile(const TilePlan& plan, const TileTask& tile, TileFacts& facts, hmesh::Mesh& mesh) {
+    if (std::string why = find_tile(plan, tile, facts); !why.empty()) return why;
+    std::vector<unsigned char> bytes;
+    if (std::string why = job::read_made(plan.folder, facts.file, bytes); !why.empty()) return why;
+    hmesh::CompactMesh read = read_mesh_file(bytes);
+    if (!read.status) return "'" + plan.folder.path(facts.file.name) + "' cannot be read: " + in_words(read.status);
+    mesh = std::move(read.mesh);
+    return {};
+}
+
+std::string TileWorker::read(const TileTask& task, ImageFile& tile) {
+    if (!image_)
+        if (std::string why = open_planned(plan_, image_.emplace()); !why.empty()) {
+            image_.reset();
+            return why;
+        }
+    const std::string why = image_->read(rect_of(plan_, task), tile);
+    return why.empty() ? "" : "cannot read '" + plan_.path + "': " + why;
+}
+
+std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& parallel_for, Json& facts) {
+    ImageFile tile;
+    if (std::string why = read(task, tile); !why.empty()) return why;
+    // Half as many vertices as the tile's pixels would get, and half of these: cheap, and near enough.
+    const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(plan_.width) * plan_.height;
+    const double count = std::max(4.0, std::floor(0.5 * static_cast<double>(plan_.vertices) * pixels / all));
+    const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
+    MeshingOptions options = meshing_of(plan_, static_cast<std::size_t>(std::min(pixels, count)), progress);
+    options.effort = hmesh::Effort::draft;
+    options.levels = count < 64 ? 1 : 2;
+    const hmesh::Lods lods = mesh_levels(tile, options, parallel_for);
+    if (!lods.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(lods.status);
+    Json trials = Json::array(), sides = Json::array();
+    for (const hmesh::Result& level : lods.levels) trials.push_back({level.report.vertices, level.report.energy});
+    for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_, peak_of(tile)))) sides.push_back(counts);
+    facts = {{"trials", trials}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
+    return {};
+}
+
+std::string TileWorker::share(Json& facts) {
+    std::vector<Look> looks;
+    for (int y = 0; y < plan_.down(); ++y)
+        for (int x = 0; x < plan_.across(); ++x) {
+            job::Done done;
+            Json found;
+            if (std::string why = find_facts(plan_, {TileTaskKind::look, x, y}, done, found); !why.empty()) return why;
+            Look& look = looks.emplace_back();
+            look.pixels = found["pixels"].get<std::size_t>();
+            look.sides = found["sides"].get<std::vector<SideCounts>>();
+            for (const Json& trial : found["trials"]) look.trials.push_back({trial[0].get<std::size_t>(), trial[1].get<double>()});
+        }
+    ImageFile like;
+    like.bits = plan_.bits;
+    Shares shares;
+    if (std::string why =
+            find_shares(looks, plan_.across(), plan_.channels, plan_.vertices, tolerances_of(plan_, peak_of(like)), shares);
+        !why.empty())
+        return why;
+    facts = {{"tolerance", shares.tolerance}, {"vertices", shares.vertices}};
+    return {};
+}
+
+std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
+                                  Json& facts) {
+    job::Done done;
+    Json shares;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, 0, 0}, done, shares); !why.empty()) return why;
+    ImageFile tile;
+    if (std::string why = read(task, tile); !why.empty()) return why;
+    const auto number = static_cast<std::size_t>(task.y) * static_cast<std::size_t>(plan_.across()) + static_cast<std::size_t>(task.x);
+    const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
+    MeshingOptions options = meshing_of(plan_, shares["vertices"][number].get<std::size_t>(), progress);
+    options.border_tolerance = shares["tolerance"].get<double>();
+    const hmesh::Result result = mesh_file(tile, options, parallel_for);
+    if (!result.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(result.status);
+    std::vector<unsigned char> bytes;
+    const auto sink = [&](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const unsigned char*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+    FormatOptions format;
+    format.compact.colors = compact_colors(plan_.bits);
+    const std::string name = "tiles/" + file_of(plan_, task) + ".hmc";
+    if (const hmesh::Status status = write_mesh(result.mesh.view(), ".hmc", format, sink); !status)
+        return "cannot make '" + plan_.folder.path(name) + "': " + tool::in_words(status);
+    made.emplace_back();
+    if (std::string why = job::write_made(plan_.folder, name, bytes.data(), bytes.size(), made.back()); !why.empty()) return why;
+    facts = {{"vertices", result.mesh.vertex_count()},
+             {"faces", result.mesh.face_count()},
+             {"energy", result.report.energy},
+             {"max_error", result.report.max_error}};
+    return {};
+}
+
+std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
+    TileSeams all;
+    Json tiles = Json::array();
+    std::size_t vertices = 0, faces = 0;
+    double energy = 0, samples = 0, max_error = 0;
+    ImageFile like;
+    like.bits = plan_.bits;
+    const auto psnr_of = [&](double error, double count) -> Json {
+        const double psnr = hmesh::kit::psnr_of_energy(error, count, peak_of(like));
+        return std::isfinite(psnr) ? Json(psnr) : Json("inf");
+    };
+    for (int y = 0; y < plan_.down(); ++y) {
+        job::Done done;
+        Json row;
+        if (std::string why = find_facts(plan_, {TileTaskKind::seams, 0, y}, done, row); !why.empty()) return why;
+        all.pairs += row["pairs"].get<std::int64_t>();
+        all.shared += row["shared"].get<std::int64_t>();
+        all.open += row["open"].get<std::int64_t>();
+        if (all.first.empty()) all.first = row["first"].get<std::string>();
+        for (int x = 0; x < plan_.across(); ++x) {
+            const TileTask tile{TileTaskKind::tile, x, y};
+            TileFacts of_tile;
+            if (std::string why = find_tile(plan_, tile, of_tile); !why.empty()) return why;
+            const hmesh::kit::Rect rect = rect_of(plan_, tile);
+            const double count = static_cast<double>(rect.width) * rect.height * plan_.channels;
+            tiles.push_back({{"file", file_of(plan_, tile) + ".hmc"},
+                             {"x", rect.x},
+                             {"y", rect.y},
+                             {"width", rect.width},
+                             {"height", rect.height},
+                             {"vertices", of_tile.vertices},
+                             {"faces", of_tile.faces},
+                             {"psnr", psnr_of(of_tile.energy, count)},
+                             {"max_error", of_tile.max_error},
+                             {"bytes", of_tile.file.bytes},
+                             {"sha256", of_tile.file.sha256}});
+            vertices += of_tile.vertices;
+            faces += of_tile.faces;
+            energy += of_tile.energy;
+            samples += count;
+            max_error = std::max(max_error, of_tile.max_error);
+        }
+    }
+    // Of a crossing of seams two pairs side by side and two one above the other tell, and four tiles have it.
+    const auto crossings = static_cast<std::size_t>(plan_.across() - 1) * static_cast<std::size_t>(plan_.down() - 1);
+    facts = value_of(all);
+    facts["vertices"] = vertices + crossings - static_cast<std::size_t>(all.shared);
+    facts["faces"] = faces;
+    facts["psnr"] = psnr_of(energy, samples);
+    job::Done done;
+    Json shares;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, 0, 0}, done, shares); !why.empty()) return why;
+    const Json index = {{"made_by", "hmesh " HMESH_VERSION_STRING},
+                        {"plan", plan_.identity},
+                        {"input", plan_.input.path},
+                        {"width", plan_.width},
+                        {"height", plan_.height},
+                        {"channels", plan_.channels},
+                        {"bits", plan_.bits},
+                        {"samples", "points"},
+                        {"effort", name_of(efforts, plan_.options.effort)},
+                        {"seed", plan_.options.seed},
+                        {"border_tolerance", shares["tolerance"]},
+                        {"vertices", facts["vertices"]},
+                        {"faces", faces},
+                        {"psnr", facts["psnr"]},
+                        {"max_error", max_error},
+                        {"seams", value_of(all)},
+                        {"tiles", tiles}};
+    const std::string text = index.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+    made.emplace_back();
+    return job::write_made(plan_.folder, "tiles/index.json", text.data(), text.size(), made.back());
+}
+
+std::string TileWorker::run(const TileTask& task, const hmesh::ParallelFor& parallel_for, std::string& said) {
+    const auto work = [&](std::vector<job::Made>& made, Json& facts, std::string& told) -> std::string {
+        const auto done = [&](const std::string& why, const std::string& words) {
+            told = why.empty() ? words : "";
+            return why;
+        };
+        switch (task.kind) {
+            case TileTaskKind::look: {
+                const std::string why = look(task, parallel_for, facts);
+                return done(why, why.empty() ? facts["trials"][0][0].dump() + " vertices tried" : "");
+            }
+            case TileTaskKind::shares: {
+                const std::string why = share(facts);
+                return done(why, why.empty() ? "sides within " + facts["tolerance"].dump() : "");
+            }
+            case TileTaskKind::tile: {
+                const std::string why = make_tile(task, parallel_for, made, facts);
+                return done(why, why.empty() ? facts["vertices"].dump() + " vertices" : "");
+            }
+            case TileTaskKind::seams: {
+                TileSeams seams;
+                const std::string why = find_seams(plan_, task.y, seams);
+                facts = value_of(seams);
+                return done(why, in_words(seams));
+            }
+            case TileTaskKind::index: break;
+        }
+        const std::string why = make_index(made, facts);
+        return done(why, why.empty() ? facts["vertices"].dump() + " vertices, PSNR " + facts["psnr"].dump() : "");
+    };
+    return job::do_task(plan_.folder, plan_.identity, name_of(plan_, task), said, work);
+}
+
+}  // namespace tool
