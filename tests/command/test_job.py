@@ -1,11 +1,9 @@
 """hmesh-terrain job: a model as tasks in files, done by whatever engine, in any order, on a disk that fails."""
-import hashlib
 import json
 import os
 import random
 import resource
 import shutil
-import signal
 import struct
 import subprocess
 import time
@@ -16,6 +14,7 @@ import pytest
 import dems
 from conftest import contents, is_failure, read, rows
 from dems import ground, judge, read_model, with_holes
+from jobs import finish, forge, kill_session, phases, receipts, run, sums, tiles
 
 WIDTH, HEIGHT, CELLS = 120, 75, 32
 TILES = [(x, y) for y in range(3) for x in range(4)]
@@ -31,41 +30,6 @@ def plan(terrain, options="", dem="dem.pgm", folder="job"):
         write(dem, dems.pgm(ground(WIDTH, HEIGHT)))
     terrain.done(f"job plan {dem} -o {folder} {OPTIONS} -q {options}")
     return phases(folder)
-
-
-def phases(folder="job"):
-    return [path.read_text().split() for path in sorted(Path(folder).glob("phase_*.txt"))]
-
-
-def run(terrain, tasks, folder="job"):
-    return terrain.done(f"job run {folder} " + " ".join(tasks))
-
-
-def finish(terrain, folder="job"):
-    run(terrain, [task for tasks in phases(folder) for task in tasks], folder)
-
-
-def tiles(folder="job/tiles"):
-    """The content of all files, by their paths from the folder on."""
-    return {str(path.relative_to(folder)): path.read_bytes() for path in Path(folder).rglob("*") if path.is_file()}
-
-
-def sums(folder="job/tiles"):
-    return {name: hashlib.sha256(content).hexdigest() for name, content in tiles(folder).items()}
-
-
-def receipts(folder="job"):
-    return {path.stem: path.read_bytes() for path in Path(folder, "done").glob("*.json")}
-
-
-def forge(path, **changes):
-    """A file of the job with other values and the right checksum, as another program of this name might have written it."""
-    values = json.loads(Path(path).read_text())
-    del values["check"]
-    values.update(changes)
-    text = json.dumps(values, indent=1, ensure_ascii=False)
-    values["check"] = hashlib.sha256(text.encode()).hexdigest()
-    Path(path).write_text(json.dumps(values, indent=1, ensure_ascii=False) + "\n")
 
 
 def edges(model):
@@ -407,18 +371,6 @@ def test_nothing_outside_of_the_job_is_written_not_by_a_link_either(terrain):
 
 
 # ---- engines ----
-def kill_session(started):
-    """The engine and its tasks, in whatever groups it put them."""
-    for path in Path("/proc").glob("[0-9]*/stat"):
-        try:
-            number, rest = int(path.parts[2]), path.read_text().rpartition(")")[2].split()
-            if int(rest[3]) == started.pid:
-                os.kill(number, signal.SIGKILL)
-        except OSError:
-            pass
-    started.wait()
-
-
 def engine(terrain, name):
     if not shutil.which({"ninja": "ninja", "parallel": "parallel"}[name]):
         pytest.skip(f"{name} is not installed")

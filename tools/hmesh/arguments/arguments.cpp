@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "arguments/command_words.hpp"
-#include "arguments/map_names.hpp"
 #include "arguments/job_options.hpp"
+#include "arguments/map_names.hpp"
 #include "arguments/parser.hpp"
-#include "arguments/tile_job.hpp"
 #include "arguments/patterns.hpp"
+#include "arguments/tile_job.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
 #include "readers/image_file.hpp"
@@ -682,8 +682,8 @@ void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inp
     add(app, "--tile", "N", "tiles of at most N samples from line to line, 64 to 65536 (default: 4096)",
         [&](const std::string& text) { return parse_in_range(text, 64, 65536, out.tiles.tile); });
     add(app, "--border-tolerance", "X",
-        "sides of tiles pass their samples within X, in stored values (default: about twice the mean\n"
-        "error of the whole, as the looks at the tiles foretell it)",
+        "sides of tiles pass their samples within X, in stored values (default: by the mean error that\n"
+        "the looks at the tiles foretell)",
         [&](const std::string& text) { return parse_at_least_0(text, 65535, out.tiles.border_tolerance.emplace()); });
     add(app, "--seed", "N", "of the random numbers (default: 1)",
         [&](const std::string& text) { return parse_seed(text, out.tiles.seed); });
@@ -694,7 +694,8 @@ constexpr Named<const char*> tile_formats[] = {{"glb", "glb"}, {"ply", "ply"}, {
 void add_join_options(CLI::App& app, TileJob& out) {
     begin_job(app, "What is done");
     add_folder(app, out);
-    add_text(app, "-o,--output", "PATH", "a file with the ending of a mesh format, or a folder for tiles and their index", out.output);
+    add_text(app, "-o,--output", "PATH", "a file with the ending of a mesh format, or a folder for tiles and their index",
+             out.output);
     out.format = tile_formats[0].value;
     add_name(app, "--format", "of tiles in a folder: glb, ply, obj or hmc (default: glb)", tile_formats,
              [&](const char* format) { out.format = format; });

@@ -64,15 +64,14 @@ int join_job(const TileJob& arguments) {
         return fail(failed, "the tiles do not all meet, first " + facts["first"].get<std::string>());
     const std::string ending = format_ending(arguments.output);
     std::string said;
-    if (const std::string why = !ending.empty()
-                                    ? join_into_file(plan, arguments.output, said)
-                                    : join_into_folder(plan, arguments.output, "." + arguments.format, said);
+    if (const std::string why = !ending.empty() ? join_into_file(plan, arguments.output, said)
+                                                : join_into_folder(plan, arguments.output, "." + arguments.format, said);
         !why.empty())
         return fail(failed, why);
     if (arguments.quiet) return done;
     return print("joined     " + said + "\nseams      " + facts["shared"].dump() + " vertices shared\nPSNR       " +
-                 facts["psnr"].dump() + " dB of the samples of all tiles (10 log10(peak^2 / MSE))\nwritten    " + arguments.output +
-                 "\n");
+                 facts["psnr"].dump() + " dB of the samples of all tiles (10 log10(peak^2 / MSE))\nwritten    " +
+                 arguments.output + "\n");
 }
 
 }  // namespace

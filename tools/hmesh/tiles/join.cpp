@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "hmesh/mesh/mesh.hpp"
+#include "results/mesh_file.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
 #include "tiles/sides.hpp"
 #include "tiles/tasks.hpp"
-#include "results/mesh_file.hpp"
 #include "writers/formats.hpp"
 #include "writers/write_file.hpp"
 
@@ -148,7 +148,8 @@ std::string join_into_folder(const TilePlan& plan, const std::string& output, co
                     return "cannot make " + file_of(plan, tile) + ending + ": " + tool::in_words(status);
             }
             job::Made made;
-            if (std::string why = job::write_made(to, file_of(plan, tile) + ending, bytes.data(), bytes.size(), made); !why.empty())
+            if (std::string why = job::write_made(to, file_of(plan, tile) + ending, bytes.data(), bytes.size(), made);
+                !why.empty())
                 return why;
             Json& entry = index["tiles"][number++];
             entry["file"] = made.name;

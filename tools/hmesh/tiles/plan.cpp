@@ -52,8 +52,8 @@ std::string make_tile_plan(const TileJob& job, TilePlan& plan) {
     plan.options = job.tiles;
     cut(plan);
     if (plan.tile_count() > most_tiles)
-        return "'" + path + "' would be " + std::to_string(plan.tile_count()) + " tiles, more than " + std::to_string(most_tiles) +
-               ": take larger ones by --tile";
+        return "'" + path + "' would be " + std::to_string(plan.tile_count()) + " tiles, more than " +
+               std::to_string(most_tiles) + ": take larger ones by --tile";
     const double samples = static_cast<double>(plan.width) * plan.height;
     const bool is_share = job.target.kind == hmesh::Target::Kind::percent;
     const double wanted = is_share ? std::round(samples * job.target.value / 100) : job.target.value;

@@ -23,7 +23,8 @@ std::string read_sides(const TilePlan& plan, const TileTask& tile, Sides& sides)
     return {};
 }
 
-void compare(const std::vector<SideVertex>& one, const std::vector<SideVertex>& other, const std::string& pair, TileSeams& seams) {
+void compare(const std::vector<SideVertex>& one, const std::vector<SideVertex>& other, const std::string& pair,
+             TileSeams& seams) {
     const std::int64_t before = seams.open;
     std::size_t i = 0, j = 0;
     while (i < one.size() && j < other.size()) {

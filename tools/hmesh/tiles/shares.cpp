@@ -7,27 +7,43 @@
 namespace tool {
 namespace {
 
-// The error of a tile as a power of its vertices.
+// The error of a tile over its vertices: a power of them between two meshes that were tried, which goes on beyond the first and
+// the last.
 class Curve {
   public:
-    explicit Curve(const Look& look) : first_(look.trials.front()) {
-        if (look.trials.size() < 2 || !(look.trials[1].energy > first_.energy) || !(first_.energy > 0)) return;
-        const TrialMesh& coarser = look.trials[1];
-        const double ratio = static_cast<double>(first_.vertices) / static_cast<double>(coarser.vertices);
-        power_ = std::clamp(std::log(coarser.energy / first_.energy) / std::log(ratio), 0.25, 3.0);
+    explicit Curve(const Look& look) {
+        for (const TrialMesh& trial : look.trials) {
+            const auto n = static_cast<double>(trial.vertices);
+            if (!parts_.empty() && (!(n < parts_.back().vertices) || !(trial.energy > parts_.back().energy))) continue;
+            if (!parts_.empty() && parts_.back().energy > 0)
+                parts_.back().power =
+                    std::clamp(std::log(trial.energy / parts_.back().energy) / std::log(parts_.back().vertices / n), 0.1, 3.0);
+            parts_.push_back({n, trial.energy, 1});
+        }
+        if (parts_.size() > 1) parts_.pop_back();  // from the finer end of each
     }
     [[nodiscard]] double energy(double vertices) const {
-        return first_.energy * std::pow(static_cast<double>(first_.vertices) / vertices, power_);
+        std::size_t k = 0;
+        while (k + 1 < parts_.size() && vertices < parts_[k + 1].vertices) ++k;
+        return parts_[k].energy * std::pow(parts_[k].vertices / vertices, parts_[k].power);
     }
-    // The vertices at which one more gains this much.
+    // The vertices at which one more gains this much: the lower the price the more.
     [[nodiscard]] double vertices_at(double price) const {
-        const auto n = static_cast<double>(first_.vertices);
-        return n * std::pow(power_ * first_.energy / (n * price), 1 / (power_ + 1));
+        for (std::size_t k = parts_.size(); k-- > 0;) {
+            const auto& [n, energy, power] = parts_[k];
+            const double wanted = n * std::pow(power * energy / (n * price), 1 / (power + 1));
+            const double least = k + 1 < parts_.size() ? parts_[k + 1].vertices : 0;
+            if (k == 0 || wanted <= n) return std::max(least, wanted);
+        }
+        return 0;
     }
 
   private:
-    TrialMesh first_;
-    double power_ = 1;
+    struct Part {
+        double vertices, energy;  // at its finer end
+        double power;
+    };
+    std::vector<Part> parts_;  // the finest first
 };
 
 // Numbers between bounds that are as prices want them, and whose sum is `sum`.
@@ -72,7 +88,7 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 
 std::vector<double> side_tolerances(double peak) {
     std::vector<double> tolerances;
-    for (int k = 2; k < 20; ++k) tolerances.push_back(peak * std::exp2(-0.5 * k));
+    for (int k = 2; k < 11; ++k) tolerances.push_back(peak * std::exp2(-k));
     return tolerances;
 }
 
@@ -103,7 +119,7 @@ std::string find_shares(const std::vector<Look>& looks, int across, int channels
     look_at_sides(0);
     const std::vector<std::size_t> first = share_out(curves, least, most, vertices);
     double energy = 0;
-    for (std::size_t k = 0; k < first.size(); ++k) energy += curves[k].energy(static_cast<double>(first[k]));
+    for (std::size_t k = 0; k < first.size(); ++k) energy += looks[k].lost + curves[k].energy(static_cast<double>(first[k]));
     std::size_t t = 0;
     while (t + 1 < tolerances.size() && tolerances[t] > 2 * std::sqrt(energy / samples)) ++t;
     for (look_at_sides(t); t > 0 && 2 * (sum - again) > vertices; look_at_sides(t)) --t;

@@ -1,8 +1,8 @@
 // tools - how many vertices each tile of an image gets: as many as make one more of them worth the same everywhere.
 //
-// The error E of a tile with n vertices is taken for E_1 (n_1 / n)^a, by two meshes of effort draft. One vertex more then gains the
-// price a E / n, and tiles have the numbers at which their prices are equal: what annealing does in one mesh, where vertices go
-// where they are worth most. (Draft meshes have some tenths of a dB less than others, everywhere alike.)
+// The error E of a tile with n vertices is taken for a power of n, E_1 (n_1 / n)^a, between meshes of effort draft that were tried.
+// One vertex more then gains the price a E / n, and tiles have the numbers at which their prices are equal: what annealing does in
+// one mesh, where vertices go where they are worth most. Draft meshes err more than others, everywhere about alike.
 #ifndef HMESH_TOOLS_TILES_SHARES_HPP
 #define HMESH_TOOLS_TILES_SHARES_HPP
 
@@ -22,7 +22,8 @@ struct TrialMesh {
 
 // What a look at a tile found.
 struct Look {
-    std::vector<TrialMesh> trials;  // one or two, the finer first
+    std::vector<TrialMesh> trials;  // one or more, the finest first
+    double lost = 0;                // error beside that of the trials, which no vertices make less
     std::size_t pixels = 0;
     std::vector<SideCounts> sides;  // for each tolerance
 };
@@ -32,12 +33,12 @@ struct Shares {
     double tolerance = 0;               // of sides, stored values
 };
 
-// The tolerances of sides among which find_shares() chooses, stored values, the largest first: from half the peak to a 724th of it,
-// each the root of 1/2 of the one before.
+// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to a 1024th of it, each half
+// of the one before.
 [[nodiscard]] std::vector<double> side_tolerances(double peak);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
-// are taken within twice the mean error that the whole is to have, and so they err no more than the rest (docs/jobs.md has the
+// are taken within twice the mean error that such meshes have, and so they err no more than the rest (docs/jobs.md has the
 // figures), or less closely where they would need more than half of the vertices. Returns "" or what is wrong, a sentence.
 [[nodiscard]] std::string find_shares(const std::vector<Look>& looks, int across, int channels, std::size_t vertices,
                                       const std::vector<double>& tolerances, Shares& shares);

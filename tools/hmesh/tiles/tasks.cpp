@@ -87,19 +87,25 @@ std::string TileWorker::read(const TileTask& task, ImageFile& tile) {
 std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& parallel_for, Json& facts) {
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
-    // Half as many vertices as the tile's pixels would get, and half of these: cheap, and near enough.
+    // Half as many vertices as its pixels would get, and down to an eighth: cheap, and near enough. So is half the size
+    // where vertices are some pixels apart in it.
     const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(plan_.width) * plan_.height;
-    const double count = std::max(4.0, std::floor(0.5 * static_cast<double>(plan_.vertices) * pixels / all));
+    const double rate = static_cast<double>(plan_.vertices) / all, count = std::max(4.0, std::floor(0.5 * rate * pixels));
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
+    ImageFile half;
+    const bool is_halved = rate < 1.0 / 32 && std::min(tile.width, tile.height) >= 64;
+    const double lost = is_halved ? halve(tile, half) : 0;
     MeshingOptions options = meshing_of(plan_, static_cast<std::size_t>(std::min(pixels, count)), progress);
     options.effort = hmesh::Effort::draft;
-    options.levels = count < 64 ? 1 : 2;
-    const hmesh::Lods lods = mesh_levels(tile, options, parallel_for);
+    for (double n = count; options.levels < 3 && n >= 16; n /= 2) ++options.levels;
+    const hmesh::Lods lods = mesh_levels(is_halved ? half : tile, options, parallel_for);
     if (!lods.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(lods.status);
     Json trials = Json::array(), sides = Json::array();
-    for (const hmesh::Result& level : lods.levels) trials.push_back({level.report.vertices, level.report.energy});
+    const double area = is_halved ? 4 : 1;  // of a pixel that was tried
+    for (const hmesh::Result& level : lods.levels) trials.push_back({level.report.vertices, area * level.report.energy});
     for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_, peak_of(tile)))) sides.push_back(counts);
-    facts = {{"trials", trials}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
+    facts = {
+        {"trials", trials}, {"lost", lost}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
     return {};
 }
 
@@ -111,9 +117,11 @@ std::string TileWorker::share(Json& facts) {
             Json found;
             if (std::string why = find_facts(plan_, {TileTaskKind::look, x, y}, done, found); !why.empty()) return why;
             Look& look = looks.emplace_back();
+            look.lost = found["lost"].get<double>();
             look.pixels = found["pixels"].get<std::size_t>();
             look.sides = found["sides"].get<std::vector<SideCounts>>();
-            for (const Json& trial : found["trials"]) look.trials.push_back({trial[0].get<std::size_t>(), trial[1].get<double>()});
+            for (const Json& trial : found["trials"])
+                look.trials.push_back({trial[0].get<std::size_t>(), trial[1].get<double>()});
         }
     ImageFile like;
     like.bits = plan_.bits;
@@ -133,7 +141,8 @@ std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor
     if (std::string why = find_facts(plan_, {TileTaskKind::shares, 0, 0}, done, shares); !why.empty()) return why;
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
-    const auto number = static_cast<std::size_t>(task.y) * static_cast<std::size_t>(plan_.across()) + static_cast<std::size_t>(task.x);
+    const auto number =
+        static_cast<std::size_t>(task.y) * static_cast<std::size_t>(plan_.across()) + static_cast<std::size_t>(task.x);
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
     MeshingOptions options = meshing_of(plan_, shares["vertices"][number].get<std::size_t>(), progress);
     options.border_tolerance = shares["tolerance"].get<double>();

@@ -30,8 +30,8 @@ class TileWorker {
     [[nodiscard]] std::string read(const TileTask& task, ImageFile& tile);
     [[nodiscard]] std::string look(const TileTask& task, const hmesh::ParallelFor& parallel_for, job::Json& facts);
     [[nodiscard]] std::string share(job::Json& facts);
-    [[nodiscard]] std::string make_tile(const TileTask& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
-                                        job::Json& facts);
+    [[nodiscard]] std::string make_tile(const TileTask& task, const hmesh::ParallelFor& parallel_for,
+                                        std::vector<job::Made>& made, job::Json& facts);
     [[nodiscard]] std::string make_index(std::vector<job::Made>& made, job::Json& facts);
 
     const TilePlan& plan_;

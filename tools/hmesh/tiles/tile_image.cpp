@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <cstring>
 #include <functional>
+#include <type_traits>
 
 #include "hmesh/methods/annealed/border.hpp"
 #include "readers/rectangles.hpp"
@@ -16,12 +17,12 @@ std::size_t bytes_of_pixel(const ImageFile& image) {
 }
 
 void* samples_of(ImageFile& image) {
-    return image.bits == 8 ? static_cast<void*>(image.samples8.data())
+    return image.bits == 8    ? static_cast<void*>(image.samples8.data())
            : image.bits == 16 ? static_cast<void*>(image.samples16.data())
                               : static_cast<void*>(image.samples32.data());
 }
 const void* samples_of(const ImageFile& image) {
-    return image.bits == 8 ? static_cast<const void*>(image.samples8.data())
+    return image.bits == 8    ? static_cast<const void*>(image.samples8.data())
            : image.bits == 16 ? static_cast<const void*>(image.samples16.data())
                               : static_cast<const void*>(image.samples32.data());
 }
@@ -56,7 +57,47 @@ std::vector<SideCounts> count_sides(const ImageFile& tile, const std::vector<dou
     return counts;
 }
 
+void make_samples(ImageFile& image) {
+    const std::size_t count =
+        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * static_cast<std::size_t>(image.channels);
+    if (image.bits == 8) image.samples8.resize(count);
+    else if (image.bits == 16) image.samples16.resize(count);
+    else image.samples32.resize(count);
+}
+
+template <class T>
+double halve(const T* from, int width, int channels, int half_width, int half_height, T* to) {
+    const auto across = static_cast<std::size_t>(channels), down = static_cast<std::size_t>(width) * across;
+    double left_out = 0;
+    for (int y = 0; y < half_height; ++y)
+        for (int x = 0; x < half_width; ++x)
+            for (std::size_t c = 0; c < across; ++c) {
+                const T* const at = from + 2 * static_cast<std::size_t>(y) * down + 2 * static_cast<std::size_t>(x) * across + c;
+                const std::array<double, 4> four = {static_cast<double>(at[0]), static_cast<double>(at[across]),
+                                                    static_cast<double>(at[down]), static_cast<double>(at[down + across])};
+                const double mean = (four[0] + four[1] + four[2] + four[3]) / 4;
+                for (const double value : four) left_out += (value - mean) * (value - mean);
+                *to++ = static_cast<T>(std::is_integral_v<T> ? mean + 0.5 : mean);
+            }
+    return left_out;
+}
+
 }  // namespace
+
+double halve(const ImageFile& tile, ImageFile& half) {
+    half = {};
+    half.width = tile.width / 2;
+    half.height = tile.height / 2;
+    half.channels = tile.channels;
+    half.bits = tile.bits;
+    make_samples(half);
+    const auto of = [&](const auto& from, auto& to) {
+        return halve(from.data(), tile.width, tile.channels, half.width, half.height, to.data());
+    };
+    return tile.bits == 8    ? of(tile.samples8, half.samples8)
+           : tile.bits == 16 ? of(tile.samples16, half.samples16)
+                             : of(tile.samples32, half.samples32);
+}
 
 std::string TileImage::open(const std::string& path) {
     file_ = {};
@@ -70,11 +111,7 @@ std::string TileImage::read(const hmesh::kit::Rect& rect, ImageFile& tile) const
     tile.height = rect.height;
     tile.channels = file_.channels;
     tile.bits = file_.bits;
-    const std::size_t samples = static_cast<std::size_t>(rect.width) * static_cast<std::size_t>(rect.height) *
-                                static_cast<std::size_t>(file_.channels);
-    if (tile.bits == 8) tile.samples8.resize(samples);
-    else if (tile.bits == 16) tile.samples16.resize(samples);
-    else tile.samples32.resize(samples);
+    make_samples(tile);
     const std::size_t pixel = bytes_of_pixel(tile), row = pixel * static_cast<std::size_t>(rect.width);
     if (file_.rectangles)
         return file_.rectangles->read(rect, samples_of(tile), static_cast<std::ptrdiff_t>(row)) ? "" : file_.rectangles->why();

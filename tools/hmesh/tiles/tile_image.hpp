@@ -31,6 +31,10 @@ class TileImage {
 using SideCounts = std::array<std::size_t, 4>;
 [[nodiscard]] std::vector<SideCounts> count_side_vertices(const ImageFile& tile, const std::vector<double>& tolerances);
 
+// The tile at half its size, each pixel the mean of four, and what that leaves out: their squared differences from it, over all
+// channels. A last column or row without a partner is left out.
+[[nodiscard]] double halve(const ImageFile& tile, ImageFile& half);
+
 // The stored value of full intensity.
 [[nodiscard]] double peak_of(const ImageFile& image) noexcept;
 

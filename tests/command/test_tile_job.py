@@ -1,0 +1,320 @@
+"""hmesh job: an image as tiles that share rows of samples, each a task in files, done by whatever engine."""
+import json
+import math
+import os
+import random
+import resource
+import shutil
+import struct
+import subprocess
+import time
+from pathlib import Path
+
+import pytest
+from PIL import Image
+
+from conftest import contents, is_whole, read, rows
+from jobs import finish, forge, phases, receipts, run, sums, tiles
+from test_psnr import psnr_of, read_glb, read_ply
+
+WIDTH, HEIGHT, TILE = 230, 150, 64  # 4 x 3 tiles
+OPTIONS = f"--tile {TILE} --rate 6 --effort fast"
+
+
+def sample(x, y, c):
+    """Slopes, edges and, in the right half, texture."""
+    noise = (x // 3 * 37 + y // 3 * 91 + c * 13) * 2654435761 % 97 if x > 120 else 0
+    return (x * x // 90 + y * (150 - y) // 60 + (80 if (x // 41 + y // 37 + c) % 2 else 0) + noise // 2 + 20 * c) % 256
+
+
+def draw(name="image.ppm", channels=3, width=WIDTH, height=HEIGHT, value=sample):
+    body = bytes(value(x, y, c) for y in range(height) for x in range(width) for c in range(channels))
+    Path(name).write_bytes(b"P%d %d %d 255\n" % (6 if channels == 3 else 5, width, height) + body)
+
+
+def plan(hmesh, options=OPTIONS, image="image.ppm", folder="job"):
+    if not Path(image).exists():
+        draw(image)
+    hmesh.done(f"job plan {image} -o {folder} -q {options}")
+    return phases(folder)
+
+
+def shown(mesh, width, height):
+    """The mesh at each sample, between the colours of the corners."""
+    positions, colors, corners = mesh
+    picture = {}
+    for a, b, c in corners:
+        (ax, ay), (bx, by), (cx, cy) = positions[a], positions[b], positions[c]
+        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
+        assert area > 0
+        for y in range(math.ceil(min(ay, by, cy)), math.floor(max(ay, by, cy)) + 1):
+            for x in range(math.ceil(min(ax, bx, cx)), math.floor(max(ax, bx, cx)) + 1):
+                u = ((x - ax) * (cy - ay) - (y - ay) * (cx - ax)) / area
+                v = ((bx - ax) * (y - ay) - (by - ay) * (x - ax)) / area
+                if u >= 0 and v >= 0 and u + v <= 1:
+                    picture[x, y] = [p + u * (q - p) + v * (r - p) for p, q, r in zip(colors[a], colors[b], colors[c])]
+    assert len(picture) == width * height
+    return picture
+
+
+def is_tiling(mesh, width, height):
+    """One surface over the rectangle: each edge within it has two faces, one on each side."""
+    positions, _, corners = mesh
+    assert len(set(positions)) == len(positions)
+    edges = {edge for a, b, c in corners for edge in ((a, b), (b, c), (c, a))}
+    assert len(edges) == 3 * len(corners)
+    for a, b in edges:
+        if (b, a) not in edges:
+            (ax, ay), (bx, by) = positions[a], positions[b]
+            assert (ax == bx and ax in (0, width - 1)) or (ay == by and ay in (0, height - 1))
+    area = sum((positions[b][0] - positions[a][0]) * (positions[c][1] - positions[a][1]) -
+               (positions[b][1] - positions[a][1]) * (positions[c][0] - positions[a][0]) for a, b, c in corners)
+    assert area == 2 * (width - 1) * (height - 1)
+    return True
+
+
+def downward(mesh):
+    """A mesh of test_psnr's readers, whose faces turn as they do on a screen."""
+    positions, colors, corners = mesh
+    return positions, colors, [(a, c, b) for a, b, c in corners]
+
+
+# ---- what comes out ----
+def test_the_whole_is_one_surface_of_as_many_vertices_as_asked_for_and_of_the_psnr_that_is_told(hmesh):
+    plan(hmesh)
+    finish(hmesh)
+    index = json.loads(read("job/tiles/index.json"))
+    told = hmesh.done("job join job -o whole.ply -q") + hmesh.done("job join job -o whole.hmc")
+    assert "joined     2070 vertices" in told and index["vertices"] == 2070 == round(WIDTH * HEIGHT * 0.06)
+    mesh = downward(read_ply("whole.ply"))
+    assert len(mesh[0]) == 2070 and len(mesh[2]) == index["faces"] and is_tiling(mesh, WIDTH, HEIGHT)
+    wanted = {(x, y): [sample(x, y, c) for c in range(3)] for y in range(HEIGHT) for x in range(WIDTH)}
+    picture = shown(mesh, WIDTH, HEIGHT)
+    # The index counts samples of seams once for each of their tiles, each of which errs as it says.
+    assert abs(psnr_of(wanted, picture) - index["psnr"]) < 0.2
+    for t in index["tiles"]:
+        inside = {(x, y) for x in range(t["x"], t["x"] + t["width"]) for y in range(t["y"], t["y"] + t["height"])}
+        assert abs(psnr_of({place: wanted[place] for place in inside}, picture) - t["psnr"]) < 1e-6
+
+    def error(places):
+        errors = [sum((a - b) ** 2 for a, b in zip(wanted[place], picture[place])) for place in places]
+        return sum(errors) / len(errors)
+
+    lines = [{t[axis] for t in index["tiles"]} - {0} for axis in "xy"]
+    assert [len(at) for at in lines] == [3, 2]
+    seams = [place for place in wanted if min(abs(place[k] - at) for k in (0, 1) for at in lines[k]) <= 1]
+    assert error(seams) < 1.05 * error(wanted)
+    hmesh.done("whole.hmc -o again.ply -q")
+    assert sorted(read_ply("again.ply")[0]) == sorted(read_ply("whole.ply")[0])
+
+
+def test_vertices_go_where_they_are_worth_most(hmesh):
+    plan(hmesh)
+    finish(hmesh)
+    counts = {(t["x"] > 100): 0 for t in json.loads(read("job/tiles/index.json"))["tiles"]}
+    for t in json.loads(read("job/tiles/index.json"))["tiles"]:
+        counts[t["x"] > 100] += t["vertices"]
+    assert counts[True] > 1.5 * counts[False]
+
+
+@pytest.mark.parametrize("kind", ["glb", "ply"])
+def test_tiles_in_a_folder_stand_in_their_places_and_meet_bit_for_bit(hmesh, kind):
+    plan(hmesh)
+    finish(hmesh)
+    hmesh.done(f"job join job -o served --format {kind} -q")
+    index = json.loads(read("served/index.json"))
+    assert len(index["tiles"]) == 12 and sums("served").items() >= {t["file"]: t["sha256"] for t in index["tiles"]}.items()
+    reader = {"glb": read_glb, "ply": read_ply}[kind]
+    sides = {}
+    for t in index["tiles"]:
+        positions, colors, _ = reader("served/" + t["file"])  # whose y goes down from the file's highest
+        assert len(positions) == t["vertices"] and is_whole("served/" + t["file"])
+        assert {(t["x"], 0), (t["x"] + t["width"] - 1, t["height"] - 1)} <= set(positions)
+        for (x, y), color in zip(positions, colors):
+            place = (x, y + t["y"])
+            if place[0] in (t["x"], t["x"] + t["width"] - 1) or y in (0, t["height"] - 1):
+                sides.setdefault(place, []).append(tuple(color))
+    within = [colors for (x, y), colors in sides.items() if 0 < x < WIDTH - 1 and 0 < y < HEIGHT - 1]
+    assert len(within) > 20 and all(len(colors) in (2, 4) and len(set(colors)) == 1 for colors in within)
+
+
+@pytest.mark.parametrize("image, options", rows("""
+    color.ppm | --rate 20      | x
+    color16.ppm | --rate 20    | x
+    grey16.pgm | --rate 20     | x
+    rgba.tga | --rate 20       | x
+    grey_alpha.tga | --rate 20 | x
+    constant.pgm | --rate 100  | x
+    row2.pgm | --rate 100      | x
+    four.pgm | --vertices 4    | x
+""".replace("| x", "")))
+def test_images_of_every_kind(hmesh, image, options):
+    Path("row2.pgm").write_bytes(b"P5 9 2 255\n" + bytes(range(18)))
+    Path("four.pgm").write_bytes(b"P5 2 2 255\nabcd")
+    plan(hmesh, options.rstrip("| ") + " --tile 64 --effort draft", image)
+    finish(hmesh)
+    hmesh.done("job join job -o whole.ply -q")
+    assert is_whole("whole.ply")
+
+
+def test_float_images_and_those_of_several_tiles_of_every_kind(hmesh):
+    for channels, name in [(1, "f"), (3, "F")]:
+        data = b"".join(struct.pack("<f", sample(x, y, c) / 300) for y in reversed(range(70)) for x in range(140) for c in range(channels))
+        Path("image.pfm").write_bytes(f"P{name}\n140 70\n-1.0\n".encode() + data)
+        shutil.rmtree("job", ignore_errors=True)
+        plan(hmesh, OPTIONS, "image.pfm")
+        finish(hmesh)
+        assert json.loads(read("job/tiles/index.json"))["seams"].items() >= {"pairs": 7, "open": 0}.items()
+        hmesh.done("job join job -o whole.glb -q")
+
+
+# ---- by whatever engine ----
+def test_no_order_threads_processes_or_restarts_are_seen_in_the_files(hmesh):
+    looks, shares, made, seams, index = plan(hmesh)
+    assert len(looks) == len(made) == 12 and len(seams) == 3 and (shares, index) == (["shares"], ["index"])
+    finish(hmesh)
+    plan(hmesh, folder="other")
+    dice = random.Random(5)
+    for k, tasks in enumerate([looks, shares, made, seams, index]):
+        dice.shuffle(tasks)
+        for part in (tasks[:5], tasks[5:]):
+            if part:
+                hmesh.done(f"job run other {' '.join(part)} --jobs {k % 4} -q")
+    assert sums("other/tiles") == sums()
+    run(hmesh, made)
+    assert run(hmesh, made).count("done before") == 12 and hmesh.done("job status job").count("done") == 5
+
+
+def test_status_tells_what_is_ready_and_mends(hmesh):
+    looks, shares, made, seams, _ = plan(hmesh)
+    ready = lambda: hmesh.run("job status job --ready").stdout.split()
+    assert ready() == looks
+    run(hmesh, looks)
+    assert ready() == shares
+    run(hmesh, shares)
+    assert ready() == made
+    run(hmesh, made[:8])
+    assert ready() == made[8:] + seams[:1]
+    finish(hmesh)
+    whole = sums()
+    Path("job/tiles/0001_0002.hmc").write_bytes(read("job/tiles/0001_0002.hmc")[:-1])
+    assert "1 taken back" in hmesh.run("job status job --mend").stdout
+    assert ready() == ["tile_0002_0001"]
+    run(hmesh, made)
+    hmesh.done("job status job -q")
+    assert sums() == whole
+
+
+def test_ninja_runs_a_job(hmesh):
+    if not shutil.which("ninja"):
+        pytest.skip("ninja is not there")
+    plan(hmesh)
+    plan(hmesh, folder="other")
+    finish(hmesh, "other")
+    subprocess.run(["ninja", "-C", "job", "-j", "2"], check=True, stdout=subprocess.DEVNULL)
+    assert sums() == sums("other/tiles")
+
+
+def test_killed_workers_leave_nothing_that_a_next_one_trips_over(hmesh):
+    tasks = sum(plan(hmesh), [])
+    plan(hmesh, folder="other")
+    finish(hmesh, "other")
+    dice = random.Random(3)
+    for _ in range(12):
+        worker = subprocess.Popen(hmesh.words(f"job run job -q {' '.join(tasks)}"), stderr=subprocess.DEVNULL)
+        time.sleep(dice.uniform(0, 0.3))
+        worker.kill()
+        worker.wait()
+    before = receipts()
+    finish(hmesh)
+    assert sums() == sums("other/tiles") and receipts().items() >= before.items()
+
+
+# ---- what is refused ----
+def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_written(hmesh):
+    looks, shares, made, seams, index = plan(hmesh)
+
+    def fails(sentence, task):
+        before = contents()
+        hmesh.fails(sentence, f"job run job {task}")
+        assert contents() == before
+
+    fails("the task look_0000_0000 is not done", shares[0])
+    fails("the task shares is not done", made[3])
+    run(hmesh, looks + shares + made)
+    tile, receipt = Path("job/tiles/0000_0001.hmc"), Path("job/done/tile_0001_0000.json")
+    whole, said = tile.read_bytes(), receipt.read_bytes()
+    for content, sentence in [(whole[:-4], "is damaged: it has"), (whole[:90] + b"?" + whole[91:], "its bytes are not those")]:
+        tile.write_bytes(content)
+        fails(sentence, seams[0])
+    tile.unlink()
+    fails("is missing", seams[0])
+    tile.write_bytes(whole)
+    receipt.write_bytes(said[:-9])
+    fails("is damaged", seams[0])
+    receipt.write_bytes(said)
+    forge(receipt, plan="0" * 64)
+    fails("is of another plan", seams[0])
+    receipt.write_bytes(said)
+    forge("job/done/shares.json", plan="0" * 64)
+    Path("job/done/tile_0002_0000.json").unlink()
+    fails("is of another plan", "tile_0002_0000")
+    fails("'tile_0004_0000' is no task of this job", "tile_0004_0000")
+    fails("'look_0_0' is no task of this job", "look_0_0")
+    os.utime("image.ppm", (1e9, 1e9))
+    Path(f"job/done/{looks[0]}.json").unlink()
+    fails("has been written since", looks[0])
+    forge("job/plan.json", version="0.0.9")
+    fails("was made by hmesh 0.0.9", index[0])
+
+
+def test_a_full_disk_loses_no_finished_task(hmesh):
+    looks, shares, made, _, _ = plan(hmesh)
+    run(hmesh, looks + shares + made[:2])
+    before = contents()
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
+
+    hmesh.fails("cannot write", f"job run job {made[3]} -q", preexec_fn=limit, restore_signals=False)
+    assert contents() == before
+    finish(hmesh)
+
+
+def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
+    draw("row.ppm", width=300, height=1)
+    hmesh.fails("is 300 x 1 px: tiles have 2 samples or more a side", "job plan row.ppm -o job")
+    hmesh.fails("cannot read", "job plan no.ppm -o job")
+    draw()
+    hmesh.fails("is no folder", "job plan image.ppm -o color.ppm")
+    assert not Path("job").exists()
+    plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
+    run(hmesh, phases()[0])
+    hmesh.fails("the sides of 12 tiles need", "job run job shares")
+
+
+@pytest.mark.parametrize("words, sentence", rows("""
+    job                                        | job is given without plan, run, status or join
+    job walk                                   | job 'walk' is not one of: plan, run, status, join
+    job plan                                   | no input file is given
+    job plan a.png                             | no folder is given: -o names it
+    job plan a.png b.png -o job                | are two images
+    job plan - -o job                          | the standard input is no file
+    job plan a.png -o job --tile 63            | --tile '63' must be from 64 to 65536
+    job plan a.png -o job --rate 0             | --rate '0' must be above 0
+    job plan a.png -o job --border-tolerance x | --border-tolerance 'x' is not a number
+    job plan a.png -o job --max-error 2        | unknown option '--max-error'
+    job run job                                | no folder or no task is given
+    job status                                 | no folder is given
+    job join job                               | no output is given
+    job join job -o x --format pdf             | --format 'pdf' is not one of: glb, ply, obj, hmc
+"""))
+def test_wrong_usage(hmesh, words, sentence):
+    ran = hmesh.run(words)
+    assert ran.returncode == 2 and sentence in ran.stderr
+
+
+def test_help_of_jobs(hmesh):
+    assert "hmesh job plan IMAGE -o JOB" in hmesh.done("job --help")
+    for command in "plan run status join".split():
+        assert "Usage: hmesh job " + command in hmesh.done(f"job {command} --help")
