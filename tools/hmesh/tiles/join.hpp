@@ -10,8 +10,8 @@ namespace tool {
 
 // What returns a string returns "" or what is wrong, a sentence.
 
-// One file of a format that the command writes, by its ending: vertices of seams stand in it once. The whole mesh is in memory, and
-// the tiles one at a time.
+// One file of a format that the command writes, by its ending: vertices of seams stand in it once. The whole mesh is in memory,
+// and the tiles one at a time.
 [[nodiscard]] std::string join_into_file(const TilePlan& plan, const std::string& output, std::string& said);
 
 // A folder with a file for each tile, in the place that the tile has in the whole, or of .hmc files as the job has them, from the

@@ -1,5 +1,5 @@
-// tools - Plan: what a job of `hmesh job` makes, as its file plan.json says it: the image, the options and how it is cut. Its tasks
-// follow from it:
+// tools - TilePlan: what a job of `hmesh job` makes, as its file plan.json says it: the image, the options and how it is cut. Its
+// tasks follow from it:
 //
 //     look_X_Y    how the error of a tile falls with its vertices, and how many its sides need: in its receipt
 //     shares      how many vertices each tile gets, and how closely its sides follow their samples: in its receipt
@@ -7,8 +7,8 @@
 //     seams_Y     whether the tiles of a row, and of the row below, meet bit for bit: from their files
 //     index       what all tiles are together: tiles/index.json
 //
-// Neighbours share a row of samples, which are points here (hmesh/mesh/samples.hpp), and a tile's side follows from that row alone
-// (hmesh::Annealed::border_tolerance): so no tile waits for another, and there is one reduction, that of the shares.
+// Neighbours share a row of samples, which are points here (hmesh/mesh/samples.hpp), and a tile's side follows from that row
+// alone (hmesh::Annealed::border_tolerance): so no tile waits for another, and there is one reduction, that of the shares.
 #ifndef HMESH_TOOLS_TILES_PLAN_HPP
 #define HMESH_TOOLS_TILES_PLAN_HPP
 

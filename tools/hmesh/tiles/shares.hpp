@@ -1,8 +1,8 @@
 // tools - how many vertices each tile of an image gets: as many as make one more of them worth the same everywhere.
 //
-// The error E of a tile with n vertices is taken for a power of n, E_1 (n_1 / n)^a, between meshes of effort draft that were tried.
-// One vertex more then gains the price a E / n, and tiles have the numbers at which their prices are equal: what annealing does in
-// one mesh, where vertices go where they are worth most. Draft meshes err more than others, everywhere about alike.
+// The error E of a tile with n vertices is taken for a power of n, E_1 (n_1 / n)^a, between meshes of effort draft that were
+// tried. One vertex more then gains the price a E / n, and tiles have the numbers at which their prices are equal: what annealing
+// does in one mesh, where vertices go where they are worth most. Draft meshes err more than others, everywhere about alike.
 #ifndef HMESH_TOOLS_TILES_SHARES_HPP
 #define HMESH_TOOLS_TILES_SHARES_HPP
 
@@ -33,8 +33,8 @@ struct Shares {
     double tolerance = 0;               // of sides, stored values
 };
 
-// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to a 1024th of it, each half
-// of the one before.
+// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to a 1024th of it, each
+// half of the one before.
 [[nodiscard]] std::vector<double> side_tolerances(double peak);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
