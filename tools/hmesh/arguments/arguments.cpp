@@ -654,7 +654,7 @@ constexpr char plan_footer[] =
     "--samples points: the mesh of W x H of them is W - 1 wide and H - 1 high, and tiles share a row of samples.\n"
     "Examples:\n"
     "  hmesh job plan slide.tif -o job --rate 1 && ninja -C job && hmesh job join job -o slide.glb\n"
-    "  hmesh job plan mosaic.ppm -o job --tile 2048 && job/slurm.sh --partition=short";
+    "  hmesh job plan mosaic.ppm -o job --effort draft && job/slurm.sh --partition=short";
 
 constexpr char version_words[] = "print the version, and which image files are read by what";
 
@@ -679,7 +679,9 @@ void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inp
     })->excludes(vertices);
     add_name(app, "--effort", "draft, fast, normal, fine or best: how long to look for a better mesh (default: normal)", efforts,
              [&](hmesh::Effort effort) { out.tiles.effort = effort; });
-    add(app, "--tile", "N", "tiles of at most N samples from line to line, 64 to 65536 (default: 4096)",
+    add(app, "--tile", "N",
+        "tiles of at most N samples from line to line, 64 to 65536 (default: 2047; up to there a tile is\n"
+        "one table, which is faster)",
         [&](const std::string& text) { return parse_in_range(text, 64, 65536, out.tiles.tile); });
     add(app, "--border-tolerance", "X",
         "sides of tiles pass their samples within X, in stored values (default: by the mean error that\n"

@@ -17,7 +17,7 @@ namespace tool {
 struct TileOptions {
     hmesh::Effort effort = hmesh::Effort::normal;
     std::uint64_t seed = 1;
-    int tile = 4096;                         // samples from line to line, at most
+    int tile = 2047;                         // samples from line to line, at most
     std::optional<double> border_tolerance;  // stored values; none: by the mean error
 };
 
