@@ -24,6 +24,7 @@
 #include "test_images.hpp"
 #include "test_indexed_meshes.hpp"
 #include "test_meshes.hpp"
+#include "test_sanitized.hpp"
 
 namespace kit = hmesh::kit;
 using hmesh::Image;
