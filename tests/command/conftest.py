@@ -9,6 +9,7 @@ import shutil
 import stat
 import struct
 import subprocess
+import time
 from pathlib import Path
 
 import pytest
@@ -109,6 +110,19 @@ class Command:
                 raise
             pytest.skip(str(error))  # of preexec_fn
         is_failure(run, sentence)
+
+
+def send_once_caught(job, which, delay):
+    """Sends a signal some seconds after the program has begun to catch it, which a busy machine may put off."""
+    end = time.monotonic() + 60
+    status = Path(f"/proc/{job.pid}/status")
+    while status.exists() and time.monotonic() < end:
+        caught = re.search(r"^SigCgt:\s*(\w+)$", status.read_text(encoding="ascii"), re.MULTILINE)
+        if job.poll() is not None or caught is None or int(caught[1], 16) >> (which - 1) & 1:
+            break
+        time.sleep(0.01)
+    time.sleep(delay)
+    job.send_signal(which)
 
 
 def is_failure(run, sentence):

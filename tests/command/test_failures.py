@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import FORMATS, as_others, contents, is_failure, is_png, is_whole, ply_header, program, read, rows
+from conftest import FORMATS, as_others, contents, is_failure, is_png, is_whole, ply_header, program, read, rows, send_once_caught
 
 FAILURES = rows("""
     'missing.png'                                     | missing.png -o keep.ply
@@ -96,8 +96,7 @@ def interrupt(hmesh, arguments, sentence, which=signal.SIGINT, delay=1):
     """Ctrl-C or another signal after some seconds of what takes more than five on any machine: two threads, however many cores there are."""
     with subprocess.Popen(hmesh.words(f"large.png --threads 2 {arguments}"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
                           encoding="utf-8") as job:
-        time.sleep(delay)
-        job.send_signal(which)
+        send_once_caught(job, which, delay)
         out, err = job.communicate(timeout=60)
     is_failure(subprocess.CompletedProcess(job.args, job.returncode, out, err), f": interrupted; {sentence}")
 

@@ -6,13 +6,12 @@ import pty
 import signal
 import struct
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 from PIL import Image
 
-from conftest import FORMATS, contents, is_whole, read
+from conftest import FORMATS, contents, is_whole, read, send_once_caught
 
 
 def piped(hmesh, arguments, image):
@@ -153,8 +152,7 @@ def test_an_interrupt_ends_the_wait_for_an_image(hmesh, which):
                           encoding="utf-8") as job:
         job.stdin.write("P5 20 16 255\n")
         job.stdin.flush()
-        time.sleep(0.5)
-        job.send_signal(which)
+        send_once_caught(job, which, 0.5)
         assert job.wait(timeout=10) == 1
         assert job.stderr.read() == "hmesh: cannot read the standard input: interrupted\n"
     assert contents() == before

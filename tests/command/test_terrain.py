@@ -7,13 +7,12 @@ import resource
 import signal
 import struct
 import subprocess
-import time
 from pathlib import Path
 
 import pytest
 
 import dems
-from conftest import as_others, contents, is_failure, read, rows
+from conftest import as_others, contents, is_failure, read, rows, send_once_caught
 from dems import ground, judge, read_model, with_holes
 
 FORMATS = ["glb", "ply", "obj", "stl", "terrain"]
@@ -693,8 +692,7 @@ def test_an_interrupt_leaves_whole_files_or_none(terrain, which, tiles):
     write("keep.ply", b"old")
     arguments = f"dem.raw --size 900x900 -o keep.ply --max-error 300 --effort best --jobs 2 {tiles}"
     with subprocess.Popen(terrain.words(arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8") as job:
-        time.sleep(0.7)
-        job.send_signal(which)
+        send_once_caught(job, which, 0.7)
         out, err = job.communicate(timeout=60)
     if job.returncode == 0:
         pytest.skip("this machine was done before it was interrupted")
