@@ -402,7 +402,7 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
 /// 0.9 to 2.4 dB below those of mesh_lods(), the coarsest most. What it buys: half of the vertex memory, and a level is a range
 /// of indices.
 ///
-/// Cost: some 60 us a vertex of the finest mesh, half of mesh_image() at effort normal; one moment table of the whole image (32
+/// Cost: some 60 us a vertex of the finest mesh, half of mesh_image() at effort normal; one moment table of the whole image (16
 /// bytes a pixel for 8-bit RGB) and 1.7 KB a vertex. One piece of work, but for sums.
 #ifndef HMESH_LODS_PROGRESSIVE_MESH_HPP
 #define HMESH_LODS_PROGRESSIVE_MESH_HPP

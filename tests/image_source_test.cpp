@@ -24,8 +24,9 @@ namespace {
 
 template <int C>
 double number(const MomentTable<C>& table, int x, int y, int k) {
-    const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
-    return table.is_int32() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+    constexpr int lanes = MomentTable<C>::lanes;
+    const auto entry = table.entry(x, y);
+    return k < lanes ? entry.of_samples[k] : entry.by_column[k - lanes];
 }
 
 template <int C>

@@ -49,8 +49,9 @@ namespace {
 // Number k of entry (x, y).
 template <int C>
 double number(const MomentTable<C>& table, int x, int y, int k) {
-    const std::size_t at = table.offset(x, y) + static_cast<std::size_t>(k);
-    return table.is_int32() ? table.template entries<std::int32_t>()[at] : table.template entries<double>()[at];
+    constexpr int lanes = MomentTable<C>::lanes;
+    const auto entry = table.entry(x, y);
+    return k < lanes ? entry.of_samples[k] : entry.by_column[k - lanes];
 }
 
 // How many numbers differ from sums over the view's pixels. Sums of integers must be equal, others to 1e-13 of the sum
@@ -151,7 +152,7 @@ TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for int
                    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
                    Kind<std::uint8_t, 5>, Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>,
                    Kind<std::uint16_t, 4>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>,
-                   Kind<Signed, 2>) {
+                   Kind<Signed, 2>, Kind<Signed, 3>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     // Widths around the multiples of 8, where a strip of the table is full.
@@ -171,6 +172,7 @@ TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     const MomentTable<2> table(image.view(), image.view().bounds());
     CHECK(table.is_int32());
     CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
+    CHECK_FALSE(MomentTable<3>(Image<Signed, 3>(8, 8).view(), {0, 0, 8, 8}).is_int32());  // no bytes
 }
 
 TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
@@ -361,11 +363,13 @@ TEST_CASE("a weighted MomentTable takes 92 bytes a pixel for RGB, and less than 
     CHECK(table.bytes() <= 92U * 108 * 50);
 }
 
-TEST_CASE("MomentTable takes 32 bytes a pixel for 8-bit RGB, and less than 8 columns more") {
+TEST_CASE("MomentTable takes 16 bytes a pixel for 8-bit RGB, 32 with alpha, and less than 4 columns more") {
     const Image<std::uint8_t, 3> image(100, 50);
     const MomentTable<3> table(image.view(), image.view().bounds());
-    CHECK(table.bytes() >= 32U * 101 * 50);
-    CHECK(table.bytes() <= 32U * 108 * 50);
+    CHECK(table.bytes() >= 16U * 101 * 50);
+    CHECK(table.bytes() <= 16U * 104 * 50);
+    const Image<std::uint8_t, 4> with_alpha(100, 50);
+    CHECK(MomentTable<4>(with_alpha.view(), with_alpha.view().bounds()).bytes() == 2 * table.bytes());
     CHECK(MomentTable<3>().bytes() == 0);
 }
 

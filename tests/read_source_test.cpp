@@ -31,15 +31,12 @@ namespace {
 template <int C>
 bool same_bits(const MomentTable<C>& a, const MomentTable<C>& b) {
     bool same = a.width() == b.width() && a.height() == b.height() && a.bytes() == b.bytes();
-    const auto compare = [&](const auto* of_a, const auto* of_b, std::size_t at) {
-        for (int k = 0; k < MomentTable<C>::entry_size; ++k)
-            same = same && of_a[at + static_cast<std::size_t>(k)] == of_b[at + static_cast<std::size_t>(k)];
-    };
     for (int y = 0; same && y < a.height(); ++y)
         for (int x = 0; x <= a.width(); ++x) {
+            const auto of_a = a.entry(x, y), of_b = b.entry(x, y);
+            for (int k = 0; k < MomentTable<C>::lanes; ++k)
+                same = same && of_a.of_samples[k] == of_b.of_samples[k] && of_a.by_column[k] == of_b.by_column[k];
             const std::size_t at = a.offset(x, y);
-            if (a.is_int32()) compare(a.template entries<std::int32_t>(), b.template entries<std::int32_t>(), at);
-            else compare(a.template entries<double>(), b.template entries<double>(), at);
             for (int k = 0; a.is_weighted() && k < 2; ++k) same = same && a.x_moments(at)[k] == b.x_moments(at)[k];
         }
     return same;

@@ -46,7 +46,7 @@ namespace hmesh {
 /// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
 /// own; std::bad_alloc passes through.
 ///
-/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (32 bytes a pixel for 8-bit RGB, 92 with weights)
+/// Memory: about 0.7 KB a vertex, and for each tile at work its moment table (16 bytes a pixel for 8-bit RGB, 92 with weights)
 /// and 0.6 KB for each vertex placed there. Small images are one tile; with recipes other than Annealed any image is. Stack on
 /// each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so
 /// that they round alike.

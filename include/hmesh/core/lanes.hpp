@@ -93,16 +93,32 @@ struct Lanes {
             for (int k = 0; k < blocks; ++k) {
                 Ints ints;
                 std::memcpy(&ints, from + std::ptrdiff_t{width} * k, sizeof ints);
-#if defined(__AVX__) && !defined(__clang__)
-                if constexpr (width == 4) r.block[k] = __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of:
-                else
-#endif
-                    r.block[k] = __builtin_convertvector(ints, Block);
+                r.block[k] = converted(ints);
             }
             return r;
         }
 #endif
         for (int i = 0; i < N; ++i) r.set(i, static_cast<double>(from[i]));
+        return r;
+    }
+
+    /// The three lower bytes of an integer as they stand in it: byte k times 2^(8 k) in lane k; 0 in the lanes above. N >= 4.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes bytes(std::int32_t from) {
+        constexpr std::int32_t mask[N < 4 ? 4 : N] = {0xff, 0xff00, 0xff0000};
+        Lanes r;
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
+            each([&](std::size_t k) {
+                Ints ints;
+                std::memcpy(&ints, mask + width * k, sizeof ints);
+                ints &= Ints{} + from;
+                r.block[k] = converted(ints);
+            });
+            return r;
+        }
+#endif
+        for (int i = 0; i < N; ++i) r.set(i, static_cast<double>(from & mask[i]));
         return r;
     }
 
@@ -265,6 +281,17 @@ struct Lanes {
     }
 
   private:
+#if defined(__GNUC__)
+    /// Integers as doubles.
+    template <class Ints>
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Block converted(const Ints& ints) {
+#if defined(__AVX__) && !defined(__clang__)
+        if constexpr (width == 4) return __builtin_ia32_cvtdq2pd256(ints);  // GCC 12 makes four instructions of:
+        else
+#endif
+            return __builtin_convertvector(ints, Block);
+    }
+#endif
     /// Calls body(k) for each register. Not in a loop: compilers unroll it long after they begin to keep lanes in registers, and
     /// take half as long again over all that works with lanes.
     template <class Body>

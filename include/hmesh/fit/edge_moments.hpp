@@ -70,35 +70,49 @@ inline constexpr double least_weight = 1e-9;
 namespace detail {
 
 /// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
-/// table of N without weights.
-template <int C, class N>
+/// table without weights whose entries are pairs of integers, or doubles.
+template <int C, bool has_pairs>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;
+    Channels s = Channels::zero(), sx = s, sy = s, last_squares = s;
     // Integers, which leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels.
-    std::int64_t x1 = 0, x2 = 0, xy = 0, yy = 0;
+    std::int64_t one = 0, x1 = 0, x2 = 0, y1 = 0, xy = 0, yy = 0;
     if (first < last) {
         const EdgeWalker crossing(a, b);
-        const N* entries = table.template entries<N>();
         double y = first;
         for (int j = first; j < last; ++j, y += 1) {
             const int i = crossing.column(y);
-            const N* entry = entries + table.offset(i, j);
-            const Channels low = Channels::load(entry);
+            Channels low;
+            if constexpr (has_pairs) {
+                const std::int32_t* const pair = table.pair(i, j);
+                const Channels pixel = table.beyond(pair, i);  // the last one
+                low = Channels::load(pair) + pixel;
+                sx += Channels::load(pair + MomentTable<C>::lanes) + pixel * (i - 1.0);
+                last_squares += pixel * pixel;
+            } else {
+                const double* const entry = table.entries() + table.offset(i, j);
+                low = Channels::load(entry);
+                sx += Channels::load(entry + MomentTable<C>::lanes);
+            }
             s += low;
-            sx += Channels::load(entry + MomentTable<C>::lanes);
             sy += low * y;
             const std::int64_t x = i, row = j, pairs = x * (x - 1);
+            one += x;
             x1 += pairs;
             x2 += pairs * (2 * x - 1);
+            y1 += row * x;
             xy += pairs * row;
-            yy += row * row * x;
+            yy += row * (row * x);
         }
     }
     // sum i = x (x-1) / 2 and sum i^2 = (x-1) x (2x-1) / 6 over i < x: the divisions leave integers, hence are exact.
-    const double squares = sx[C];
+    const double squares = sx[C] + last_squares.sum();
+    s.set(C, static_cast<double>(one));
     sx.set(C, static_cast<double>(x1) * 0.5);
-    m.s = s * sign, m.sx = sx * sign, m.sy = sy * sign;
+    sy.set(C, static_cast<double>(y1));
+    Channels signs = Channels::all(sign);
+    for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
+    m.s = s * signs, m.sx = sx * signs, m.sy = sy * signs;
     m.q.set(0, sign * (static_cast<double>(x2) / 6));
     m.q.set(1, sign * (static_cast<double>(xy) * 0.5));
     m.q.set(2, sign * static_cast<double>(yy));
@@ -114,7 +128,7 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
     if (first < last) {
         const EdgeWalker crossing(a, b);
-        const auto* entries = table.template entries<double>();
+        const double* const entries = table.entries();
         for (int j = first; j < last; ++j) {
             const std::size_t at = table.offset(crossing.column(j), j);
             const double* powers = table.x_moments(at);
@@ -151,8 +165,8 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, dou
         a.x += beyond, b.x += beyond;
         first = sides.first_row(a.y), last = sides.first_row(b.y);
     }
-    if (table.is_int32()) walk<C, std::int32_t>(table, a, b, first, last, sign, m);
-    else if (!table.is_weighted()) walk<C, double>(table, a, b, first, last, sign, m);
+    if (table.is_int32()) walk<C, true>(table, a, b, first, last, sign, m);
+    else if (!table.is_weighted()) walk<C, false>(table, a, b, first, last, sign, m);
     else weighted_walk(table, a, b, first, last, sign, m);
 }
 

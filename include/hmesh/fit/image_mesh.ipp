@@ -159,12 +159,7 @@ Status ImageMesh<C>::check() const {
     }
     // Sum of |I|^2 over the whole rectangle: a patch in it may own no pixel, and yet its moments are differences of such sums.
     double squares = 0;
-    const auto add_rows = [&](const auto* entries) {
-        for (int y = 0; y < height(); ++y)
-            squares += static_cast<double>(entries[table_->offset(width(), y) + MomentTable<C>::lanes + C]);
-    };
-    if (table_->is_int32()) add_rows(table_->template entries<std::int32_t>());
-    else add_rows(table_->template entries<double>());
+    for (int y = 0; y < height(); ++y) squares += table_->entry(width(), y).by_column[C];
     double area = 0, energy = 0;
     for (const Face f : topology_.faces()) {
         const auto v = topology_.vertices(f);

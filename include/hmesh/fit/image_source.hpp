@@ -153,8 +153,8 @@ class ImageSource {
         with_window(rect, [&](const SourceWindow<C>& window) {
             table = MomentTable<C>(
                 rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
-                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, {largest_, is_weighted()},
-                parallel_for);
+                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); },
+                {largest_, low_ < 0, is_weighted()}, parallel_for);
         });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);

@@ -35,31 +35,15 @@ template <int C>
     const Color<C> at_a = mesh.color(v[0]), to_b = mesh.color(v[1]) - at_a, to_c = mesh.color(v[2]) - at_a;
     Color<C> largest = Color<C>::zero();
     const ClipRect clip{table.width(), 0, table.height(), table.far_sides()};
-    const auto look_at = [&](int i, int j, const Color<C>& sample) {
-        const Barycentric w = weights_at(i, j);
-        largest = max(largest, abs(at_a + w.b * to_b + w.c * to_c - sample));  // the lanes above the channels mean nothing
-    };
-    const auto look_at_differences = [&](const auto* sums) {  // of the entries of the table, which are sums of samples
-        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            Color<C> here = Color<C>::load(sums + table.offset(begin, j));
-            for (int i = begin; i < end; ++i) {
-                const Color<C> next = Color<C>::load(sums + table.offset(i + 1, j));
-                look_at(i, j, next - here);
-                here = next;
-            }
-        });
-    };
-    if (table.is_int32()) look_at_differences(table.template entries<std::int32_t>());
-    else if (!table.is_weighted()) look_at_differences(table.template entries<double>());
-    else
-        for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
-            Color<C> sample = Color<C>::zero();
-            for (int i = begin; i < end; ++i) {
-                if (!(table.weight(i, j) > least_weight)) continue;
-                table.pixel(i, j, sample);
-                look_at(i, j, sample);
-            }
-        });
+    for_each_span(a, b, c, clip, [&](int j, int begin, int end) {
+        Color<C> sample = Color<C>::zero();
+        for (int i = begin; i < end; ++i) {
+            if (!(table.weight(i, j) > least_weight)) continue;
+            table.pixel(i, j, sample);
+            const Barycentric w = weights_at(i, j);
+            largest = max(largest, abs(at_a + w.b * to_b + w.c * to_c - sample));  // the lanes above the channels mean nothing
+        }
+    });
     for (int k = 0; k < C; ++k) least = std::max(least, largest[k]);
     return least;
 }

@@ -8,10 +8,11 @@
 /// in coordinates local to the rectangle. By Green's theorem (Leu, "Computing a shape's moments from its boundary", 1991) the
 /// moments of any polygon are signed sums of such entries along its edges (fit/edge_moments.hpp).
 ///
-/// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide); all others are
-/// doubles, exact for 16-bit samples too. Cost: 2 * lanes_for(C + 1) numbers a pixel, that is 32 bytes for 8-bit RGB, and about
-/// 5 ns a pixel to build. The entries of a column strip of 2 pixels are contiguous down the rows, because walks run down edges:
-/// this keeps them in few cache lines and pages.
+/// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide), and kept for every
+/// second x alone, with the samples of the pixel between, from which the other entries follow. All other sums are doubles, exact
+/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 3 ns a pixel to build; 64 and 128
+/// bytes, and 6 ns, for other samples. Entries of a column are contiguous down the rows, those of doubles of two columns,
+/// because walks run down edges: this keeps them in few cache lines and pages.
 ///
 /// With weights, each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
 ///
@@ -48,6 +49,13 @@ class MomentTable {
   public:
     static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
     static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
+    using Channels = Lanes<lanes>;                  ///< one half of an entry
+
+    /// The sums of an entry.
+    struct Entry {
+        Channels of_samples;  ///< I_0 .. I_{C-1}, 1
+        Channels by_column;   ///< i I_0 .. i I_{C-1}, |I|^2
+    };
 
     /// No table; to be assigned to.
     MomentTable() = default;
@@ -76,7 +84,7 @@ class MomentTable {
         : MomentTable(
               rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
               [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
-              {largest_sample<T>(), weights.data != nullptr}, parallel_for) {
+              {largest_sample<T>(), PixelTraits<T>::lowest < 0, weights.data != nullptr}, parallel_for) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
@@ -85,15 +93,16 @@ class MomentTable {
     /// What is known of the pixels of a table.
     struct Kind {
         double largest;    ///< the largest magnitude of a sample where all are whole numbers; infinite: they are not
+        bool is_signed;    ///< whether there may be samples < 0
         bool is_weighted;  ///< whether pixels have weights
     };
     /// The table of the pixels of `rect`, from wherever they are read. `weights` are as WeightScale rounds them, and only read
     /// where there are some. Both are called on any thread.
     MomentTable(const Rect& rect, PixelReader pixels, PixelReader weights, const Kind& kind, const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(kind.is_weighted),
-          int32_(!weighted_ && fits_32_bits(rect.width, kind.largest)) {
+          int32_(!weighted_ && fits_32_bits(rect.width, kind)) {
         HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
-        strip_size_ = static_cast<std::size_t>(height_) * strip_width * entry_size;
+        strip_size_ = static_cast<std::size_t>(height_) * (int32_ ? pair_size : strip_width * entry_size);
         // Sizes beyond PTRDIFF_MAX become the largest allocation, so that there is a std::bad_alloc.
         const std::size_t size = fits_memory(width_, height_) ? (static_cast<std::size_t>(width_) / strip_width + 1) * strip_size_
                                                               : std::numeric_limits<std::ptrdiff_t>::max() / sizeof(double);
@@ -107,8 +116,8 @@ class MomentTable {
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
-            if (int32_) fill(rect, pixels, begin, end, int32_entries_.data());
-            else if (!weighted_) fill(rect, pixels, begin, end, float64_entries_.data());
+            if (int32_) fill_pairs(rect, pixels, begin, end);
+            else if (!weighted_) fill(rect, pixels, begin, end);
             else fill_weighted(rect, pixels, weights, begin, end);
         });
     }
@@ -155,14 +164,9 @@ class MomentTable {
             for (int c = 0; c < lanes; ++c) out.set(c, c < C ? static_cast<double>(samples[c]) : 0.0);
             return;
         }
-        const auto sample = [&](const auto* entries) {
-            for (int c = 0; c < lanes; ++c)
-                out.set(c, c < C ? static_cast<double>(entries[offset(x + 1, y) + static_cast<std::size_t>(c)] -
-                                                       entries[offset(x, y) + static_cast<std::size_t>(c)])
-                                 : 0.0);
-        };
-        if (int32_) sample(int32_entries_.data());
-        else sample(float64_entries_.data());
+        if (int32_ && x % 2 == 0) out = beyond(pair(x, y), 1);
+        else out = entry(x + 1, y).of_samples - entry(x, y).of_samples;
+        for (int c = C; c < lanes; ++c) out.set(c, 0);
     }
 
     /// How often pixel (x, y) counts, with the rounding of the sums over the pixels to its left.
@@ -170,12 +174,36 @@ class MomentTable {
         return weighted_ ? float64_entries_[offset(x + 1, y) + C] - float64_entries_[offset(x, y) + C] : 1.0;
     }
 
-    /// The entries, of type N: std::int32_t if is_int32(), else double.
-    template <class N>
-    [[nodiscard]] HMESH_ALWAYS_INLINE const N* entries() const noexcept {
-        if constexpr (sizeof(N) == sizeof(std::int32_t)) return int32_entries_.data();
-        else return float64_entries_.data();
+    /// Entry (x, y), 0 <= x <= width, 0 <= y < height; 0 in the lanes above C.
+    [[nodiscard]] Entry entry(int x, int y) const noexcept {
+        if (!int32_) {
+            const double* const sums = entries() + offset(x, y);
+            return {Channels::load(sums), Channels::load(sums + lanes)};
+        }
+        const std::int32_t* const sums = pair(x, y);
+        const Channels last = beyond(sums, x);
+        Entry out{Channels::load(sums) + last, Channels::load(sums + lanes) + last * (x - 1.0)};
+        for (int c = C + 1; c < lanes; ++c) {
+            out.of_samples.set(c, 0);
+            out.by_column.set(c, 0);
+        }
+        out.of_samples.set(C, x);
+        out.by_column.set(C, sums[lanes + C] + (last * last).sum());
+        return out;
     }
+    /// Where entries (x, y) of even and odd x begin whose sums are 32-bit integers: the two halves of that of even x, in which
+    /// lane C of the first and the lanes above it mean nothing, and what beyond() reads. Only if is_int32().
+    [[nodiscard]] HMESH_ALWAYS_INLINE const std::int32_t* pair(int x, int y) const noexcept {
+        return int32_entries_.data() + pair_offset(x, y);
+    }
+    /// The samples of the pixel by which entry (x, y) is beyond its pair(): 0 where x is even, and in the lanes above them.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Channels beyond(const std::int32_t* pair, int x) noexcept {
+        const Channels part = Channels::load(parts.of[static_cast<unsigned>(x) % 2]);
+        if constexpr (has_bytes) return Channels::bytes(pair[C]) * part;
+        else return Channels::load(pair + pixel_at) * part;
+    }
+    /// The entries as doubles; only if not is_int32().
+    [[nodiscard]] HMESH_ALWAYS_INLINE const double* entries() const noexcept { return float64_entries_.data(); }
     /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t offset(int x, int y) const noexcept {
         // Unsigned: a division of what may be negative would take three instructions more.
@@ -189,18 +217,35 @@ class MomentTable {
     }
 
   private:
-    /// Columns whose entries are contiguous down the rows.
+    /// Columns whose entries are contiguous down the rows; of integers one of them is kept, and the pixel between.
     static constexpr int strip_width = 2;
+    /// Where the pixel's samples stand in a pair: as whole numbers behind the channels or, where these leave no room, behind both
+    /// halves; but of three channels as the bytes of the number behind them.
+    static constexpr bool has_bytes = C == 3;
+    static constexpr int pixel_at = has_bytes || lanes >= 2 * C ? C : 2 * lanes;
+    static constexpr int pair_size = pixel_at == C ? 2 * lanes : 3 * lanes;  ///< numbers in a pair
+    /// What beyond() multiplies what stands there with, for even and for odd x.
+    struct Parts {
+        double of[2][std::size_t{lanes}] = {};
+        constexpr Parts() noexcept {
+            for (int c = 0; c < C; ++c) of[1][c] = has_bytes && c > 0 ? of[1][c - 1] / 256 : 1;
+        }
+    };
+    static constexpr Parts parts{};
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
-    static constexpr int chunk = 16;                    ///< pixels read at once
+    static constexpr int chunk = 64;                    ///< pixels read at once, an even number
 
-    /// Whether all sums over rows of this width fit 32-bit integers.
-    [[nodiscard]] static bool fits_32_bits(double width, double sample) noexcept {
-        const double largest = 2147483647.0;
-        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest;
+    /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them.
+    [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
+        const double largest = 2147483647.0, sample = kind.largest;
+        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
+               (!has_bytes || (sample <= 255 && !kind.is_signed));
     }
 
+    [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t pair_offset(int x, int y) const noexcept {
+        return static_cast<unsigned>(x) / 2 * strip_size_ + std::size_t{static_cast<unsigned>(y)} * pair_size;
+    }
     [[nodiscard]] std::size_t sample_offset(int x, int y) const noexcept {
         return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
     }
@@ -212,11 +257,11 @@ class MomentTable {
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
     /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
-    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 64 of them in a page for 8-bit RGB:
-    /// takes a third of the time of row by row.
+    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
+    /// RGB: takes a third of the time of row by row.
     template <class Body>
     HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
-        double samples[chunk * std::size_t{C}];
+        double samples[chunk * std::size_t{C} + numbers] = {};  // as many as are loaded as lanes of the last one
         for (int x0 = 0; x0 < width_; x0 += chunk)
             for (int y = begin; y < end; ++y) {
                 const int count = std::min(width_ - x0, static_cast<int>(chunk));
@@ -225,13 +270,47 @@ class MomentTable {
             }
     }
 
-    template <class N>
-    void fill(const Rect& rect, PixelReader pixels, int begin, int end, N* entries) {
-        struct Half {
-            Lanes<lanes> of_samples, by_column;  // the halves of an entry; of whole numbers exact
+    void fill_pairs(const Rect& rect, PixelReader pixels, int begin, int end) {
+        struct Sums {
+            Entry entry;
+            Channels squares;
         };
-        Half sums[band];
-        for (Half& of_row : sums) of_row.of_samples = of_row.by_column = Lanes<lanes>::zero();
+        Sums sums[band];
+        for (Sums& of_row : sums) of_row.entry.of_samples = of_row.entry.by_column = of_row.squares = Channels::zero();
+        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+            Sums sum = sums[y - begin];
+            // The lanes above the channels are of the next pixel, and never looked at.
+            const auto add = [&](int i) {
+                const Channels of_pixel = Channels::load(pixel + std::ptrdiff_t{C} * i);
+                sum.entry.of_samples += of_pixel;
+                sum.entry.by_column += of_pixel * (x0 + i);
+                sum.squares += of_pixel * of_pixel;
+            };
+            std::size_t at = pair_offset(x0, y);
+            for (int i = 0; i <= count; i += 2, at += strip_size_) {
+                std::int32_t* const to = int32_entries_.data() + at;
+                sum.entry.of_samples.store(to);
+                sum.entry.by_column.store(to + lanes);
+                double squares = 0;
+                for (int c = 0; c < C; ++c) squares += sum.squares[c];
+                to[lanes + C] = static_cast<std::int32_t>(squares);
+                keep(pixel + std::ptrdiff_t{C} * i, to);  // where i == count, what nobody looks at
+                if (i < count) add(i);
+                if (i + 1 < count) add(i + 1);
+            }
+            sums[y - begin] = sum;
+        });
+    }
+    /// Writes a pixel's samples into a pair.
+    static HMESH_ALWAYS_INLINE void keep(const double* samples, std::int32_t* pair) noexcept {
+        if constexpr (has_bytes) pair[C] = static_cast<std::int32_t>(samples[0] + 256 * samples[1] + 65536 * samples[2]);
+        else
+            for (int c = 0; c < C; ++c) pair[pixel_at + c] = static_cast<std::int32_t>(samples[c]);
+    }
+
+    void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
+        Entry sums[band];
+        for (Entry& of_row : sums) of_row.of_samples = of_row.by_column = Channels::zero();
         // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
         double added[chunk][numbers] = {};
         for (auto& of_pixel : added) of_pixel[C] = 1;
@@ -245,15 +324,15 @@ class MomentTable {
                 }
                 added[i][lanes + C] = square;
             }
-            Half sum = sums[y - begin];
-            N* entry = entries + offset(x0, y);
+            Entry sum = sums[y - begin];
+            double* entry = float64_entries_.data() + offset(x0, y);
             for (int i = 0;; ++i) {
                 sum.of_samples.store(entry);
                 sum.by_column.store(entry + lanes);
                 if (i == count) break;
                 entry += step_after(x0 + i);
-                sum.of_samples += Lanes<lanes>::load(added[i]);
-                sum.by_column += Lanes<lanes>::load(added[i] + lanes);
+                sum.of_samples += Channels::load(added[i]);
+                sum.by_column += Channels::load(added[i] + lanes);
             }
             sums[y - begin] = sum;
         });
