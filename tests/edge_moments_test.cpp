@@ -328,6 +328,39 @@ TEST_CASE_TEMPLATE("the edge moments of a face sum to those of its pixels, each 
     CHECK(on_grid.ties > 100);
 }
 
+TEST_CASE("sums of columns are those of multiplied rows, up to tables of 2^28 pixels") {
+    // Rows of one length, whose sums have closed forms: the widest table, the highest one, and an edge that begins far down.
+    const auto check = [](std::int64_t width, std::int64_t first, std::int64_t end) {
+        hmesh::kit::detail::ColumnSums sums;
+        for (std::int64_t j = first; j < end; ++j) sums.add(width);
+        const std::int64_t pairs = width * (width - 1) / 2;
+        const auto rows_below = [](std::int64_t n) { return n * (n - 1) / 2; };
+        const auto squares_below = [](std::int64_t n) { return (n - 1) * n * (2 * n - 1) / 6; };
+        CHECK(sums.sum_x() == static_cast<double>((end - first) * pairs));
+        CHECK(sums.sum_xx() == doctest::Approx(static_cast<double>((end - first) * squares_below(width))).epsilon(1e-15));
+        CHECK(sums.sum_xy(end) == static_cast<double>((rows_below(end) - rows_below(first)) * pairs));
+        CHECK(sums.sum_yy(end) == static_cast<double>((squares_below(end) - squares_below(first)) * width));
+    };
+    check(65536, 0, 4096);
+    check(4096, 0, 65536);
+    check(4096, 65000, 65536);
+    check(1, 7, 8);
+    check(0, 0, 9);
+    // And of columns that differ, by definition.
+    Random random(5);
+    hmesh::kit::detail::ColumnSums sums;
+    std::int64_t x = 0, xx = 0, xy = 0, yy = 0;
+    for (std::int64_t j = 40; j < 90; ++j) {
+        const auto column = static_cast<std::int64_t>(random.below(300));
+        sums.add(column);
+        for (std::int64_t i = 0; i < column; ++i) x += i, xx += i * i, xy += i * j, yy += j * j;
+    }
+    CHECK(sums.sum_x() == static_cast<double>(x));
+    CHECK(sums.sum_xx() == static_cast<double>(xx));
+    CHECK(sums.sum_xy(90) == static_cast<double>(xy));
+    CHECK(sums.sum_yy(90) == static_cast<double>(yy));
+}
+
 TEST_CASE("the edge moments of 8-bit images too wide for 32-bit sums are exact too") {
     const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(4200, 5, 2);
     CHECK_FALSE(MomentTable<3>(image.view(), image.view().bounds()).is_int32());

@@ -69,14 +69,48 @@ inline constexpr double least_weight = 1e-9;
 
 namespace detail {
 
+/// The sums over the pixels left of an edge that follow from its columns alone, gathered row by row, downwards. Integers, which
+/// leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels. Nothing is multiplied by rows: in
+/// a sum of sums counts d times what was added d rows before its end, and d (d + 1) / 2 times in a sum of those.
+struct ColumnSums {
+    std::int64_t x = 0, x_d = 0, x_dd = 0;  ///< of columns, sums of these sums, and sums of those
+    std::int64_t xx = 0, xx_d = 0;          ///< of their squares, and sums of these sums
+    std::int64_t xxx = 0;                   ///< of their cubes
+
+    /// Adds the next row, whose first `column` pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(std::int64_t column) noexcept {
+        const std::int64_t square = column * column;
+        x += column, x_d += x, x_dd += x_d;
+        xx += square, xx_d += xx;
+        xxx += square * column;
+    }
+    // For i < x the sum of i is (x^2 - x) / 2, that of i^2 is (2 x^3 - 3 x^2 + x) / 6: the divisions leave integers, hence are
+    // exact.
+    /// The number of pixels.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double count() const noexcept { return static_cast<double>(x); }
+    /// The sum of i over the pixels.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum_x() const noexcept { return static_cast<double>(xx - x) * 0.5; }
+    /// The sum of i^2.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum_xx() const noexcept { return static_cast<double>(2 * xxx - 3 * xx + x) / 6; }
+    /// The sum of j, where `end` is the row behind the last one: j = end - d.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum_y(std::int64_t end) const noexcept { return static_cast<double>(end * x - x_d); }
+    /// The sum of i j, likewise.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum_xy(std::int64_t end) const noexcept {
+        return static_cast<double>(end * (xx - x) - (xx_d - x_d)) * 0.5;
+    }
+    /// The sum of j^2, likewise.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double sum_yy(std::int64_t end) const noexcept {
+        return static_cast<double>(end * (end * x - 2 * x_d) + 2 * x_dd - x_d);
+    }
+};
+
 /// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
 /// table without weights whose entries are pairs of integers, or doubles.
 template <int C, bool has_pairs>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
     Channels s = Channels::zero(), sx = s, sy = s, last_squares = s;
-    // Integers, which leave the floating-point units to the channels; below 2^62 for tables of up to 2^28 pixels.
-    std::int64_t one = 0, x1 = 0, x2 = 0, y1 = 0, xy = 0, yy = 0;
+    ColumnSums columns;
     if (first < last) {
         const EdgeWalker crossing(a, b);
         double y = first;
@@ -96,26 +130,19 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
             }
             s += low;
             sy += low * y;
-            const std::int64_t x = i, row = j, pairs = x * (x - 1);
-            one += x;
-            x1 += pairs;
-            x2 += pairs * (2 * x - 1);
-            y1 += row * x;
-            xy += pairs * row;
-            yy += row * (row * x);
+            columns.add(i);
         }
     }
-    // sum i = x (x-1) / 2 and sum i^2 = (x-1) x (2x-1) / 6 over i < x: the divisions leave integers, hence are exact.
     const double squares = sx[C] + last_squares.sum();
-    s.set(C, static_cast<double>(one));
-    sx.set(C, static_cast<double>(x1) * 0.5);
-    sy.set(C, static_cast<double>(y1));
+    s.set(C, columns.count());
+    sx.set(C, columns.sum_x());
+    sy.set(C, columns.sum_y(last));
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
     m.s = s * signs, m.sx = sx * signs, m.sy = sy * signs;
-    m.q.set(0, sign * (static_cast<double>(x2) / 6));
-    m.q.set(1, sign * (static_cast<double>(xy) * 0.5));
-    m.q.set(2, sign * static_cast<double>(yy));
+    m.q.set(0, sign * columns.sum_xx());
+    m.q.set(1, sign * columns.sum_xy(last));
+    m.q.set(2, sign * columns.sum_yy(last));
     m.q.set(3, sign * squares);
 }
 
@@ -175,7 +202,7 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, dou
 /// The moments of the pixels left of the edge from a to b, positive where it runs down (to larger y), negative where it runs
 /// up. So edge_moments(a, b) = -edge_moments(b, a), and the sum over the edges of a polygon of positive orientation is the
 /// moments of its pixels, where these are points up to the far sides of the mesh. Points lie in [0, width] x [0, height] of the
-/// table. Cost: some 4 ns a row crossed.
+/// table. Cost: some 15 ns, and 2.5 ns a row crossed.
 template <int C>
 HMESH_ALWAYS_INLINE void edge_moments(const MomentTable<C>& table, Point a, Point b, Moments<C>& m) {
     detail::edge_moments(table, a.x, a.y, b.x, b.y, m);
