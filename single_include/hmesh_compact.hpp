@@ -3385,7 +3385,7 @@ class CompactSearch {
     /// they promise, a PSNR; minus infinity where there is no such mesh on the lattice or, where `status` is not ok, none at all.
     [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, Status& status) {
         double most = -std::numeric_limits<double>::infinity();
-        if (!mesh(n, recipe, status)) return most;
+        if (!mesh(n, recipe, 3, status)) return most;
         for (const std::uint32_t step : {90U, 128U, 180U, 256U, 362U}) {
             const std::vector<std::uint8_t> file = write(step);
             const double share = static_cast<double>(file.size()) / static_cast<double>(options_->bytes);
@@ -3407,7 +3407,7 @@ class CompactSearch {
         for (int run = 0; run < 8 && above - below > 1; ++run) {
             n = std::max(below + 1, std::min(above - 1, n));
             std::vector<std::uint8_t> file;
-            if (mesh(n, recipe, best.status)) file = write(color_step);
+            if (mesh(n, recipe, lattice_rounds(recipe.effort), best.status)) file = write(color_step);
             if (!best.status) return false;
             if (file.empty()) {  // there are too few sites
                 above = n;
@@ -3426,7 +3426,7 @@ class CompactSearch {
 
     /// The file of a mesh of 4 vertices becomes `best`, or target_out_of_range its status. Returns whether to go on.
     [[nodiscard]] bool begin(const Annealed& recipe, CompactImage& best) {
-        if (!mesh(4, recipe, best.status)) return false;
+        if (!mesh(4, recipe, 1, best.status)) return false;
         const std::size_t least = write(CompactHead::coarsest).size();
         if (least <= options_->bytes) return keep(CompactHead::coarsest, 1, best), true;
         best.status = {Errc::target_out_of_range, "a compact file of the image has more bytes, even of 4 vertices", least,
@@ -3435,8 +3435,9 @@ class CompactSearch {
     }
 
   private:
-    /// Meshes the image with n vertices, less those that find no site on the lattice. Whether there is such a mesh.
-    [[nodiscard]] bool mesh(std::int64_t n, const Annealed& recipe, Status& status) {
+    /// Meshes the image with n vertices, less those that find no site on the lattice, with so many rounds there. Whether there is
+    /// such a mesh.
+    [[nodiscard]] bool mesh(std::int64_t n, const Annealed& recipe, int rounds, Status& status) {
         const ImageView<std::uint8_t, C> pixels = pixels_.view();
         const std::int64_t most = std::max<std::int64_t>(4, std::int64_t{pixels.width} * pixels.height);
         Options options;
@@ -3450,7 +3451,7 @@ class CompactSearch {
         if (!status) return false;
         LatticeMesh<C> settled(image_->table, lattice_, recipe.seed);
         bool goes_on = true;
-        const bool is_there = settled.settle(result.mesh, lattice_rounds(recipe.effort), [&](double share) {
+        const bool is_there = settled.settle(result.mesh, rounds, [&](double share) {
             return goes_on = goes_on && runs_->tell(share, result.mesh.vertex_count());
         });
         runs_->add();
