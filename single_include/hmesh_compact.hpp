@@ -2980,7 +2980,7 @@ class LatticeMesh {
             move_round();
             flip_round();
         }
-        for (int k = 0; k < 40; ++k) {
+        for (int k = 0; k < 40; ++k) {  // all but a few meshes are there after two
             for (const kit::Vertex v : kit::spatial_vertices(mesh_))
                 if (!is_on_site(v) && !snap(v, 4) && !remove(v)) loosen(v);
             if (left() == 0) break;
@@ -3272,7 +3272,6 @@ class LatticeMesh {
 #define HMESH_RATE_COMPACT_IMAGE_HPP
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>

@@ -9,7 +9,6 @@
 #define HMESH_RATE_COMPACT_IMAGE_HPP
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -17,8 +16,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/assert.hpp"
-#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"

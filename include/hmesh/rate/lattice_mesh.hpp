@@ -20,15 +20,18 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/function_ref.hpp"
-#include "hmesh/core/parallel.hpp"
 #include "hmesh/core/random.hpp"
-#include "hmesh/core/status.hpp"
-#include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/ring.hpp"
+#include "hmesh/fit/squared_error.hpp"
+#include "hmesh/mesh/geometry.hpp"
+#include "hmesh/mesh/halfedge_mesh.hpp"
+#include "hmesh/mesh/handles.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh/spatial_order.hpp"
 #include "hmesh/rate/compact_lattice.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 
@@ -54,7 +57,7 @@ class LatticeMesh {
             move_round();
             flip_round();
         }
-        for (int k = 0; k < 40; ++k) {
+        for (int k = 0; k < 40; ++k) {  // all but a few meshes are there after two
             for (const kit::Vertex v : kit::spatial_vertices(mesh_))
                 if (!is_on_site(v) && !snap(v, 4) && !remove(v)) loosen(v);
             if (left() == 0) break;
