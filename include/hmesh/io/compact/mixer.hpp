@@ -102,6 +102,14 @@ class Mixer {
     Mixer(const Logistic& logistic, std::size_t sets, std::int32_t first_weight)
         : logistic_(&logistic), weights_(sets * Inputs, first_weight) {}
 
+    /// The probability in 2^-16 that a bit in these contexts is 1, as code() would have it.
+    [[nodiscard]] std::uint32_t probability(const std::array<AdaptiveBit*, Inputs>& contexts, std::size_t set) const noexcept {
+        std::int64_t sum = 0;
+        for (std::size_t k = 0; k < Inputs; ++k)
+            sum += std::int64_t{logistic_->logarithm(contexts[k]->p12())} * weights_[set * Inputs + k];
+        return Logistic::probability(held(sum / 65536));
+    }
+
     /// Codes a bit in these contexts with a set of weights, and lets all learn.
     bool code(ArithmeticCoder& coder, bool value, const std::array<AdaptiveBit*, Inputs>& contexts, std::size_t set) {
         std::int32_t* const weights = weights_.data() + set * Inputs;
@@ -111,9 +119,7 @@ class Mixer {
             logs[k] = logistic_->logarithm(contexts[k]->p12());
             sum += std::int64_t{logs[k]} * weights[k];
         }
-        sum /= 65536;
-        const int s = sum > Logistic::limit ? Logistic::limit : sum < -Logistic::limit ? -Logistic::limit : static_cast<int>(sum);
-        const std::uint32_t p = Logistic::probability(s);
+        const std::uint32_t p = Logistic::probability(held(sum / 65536));
         value = coder.bit(value, p);
         const std::int32_t error = (value ? 65536 : 0) - static_cast<std::int32_t>(p);
         for (std::size_t k = 0; k < Inputs; ++k) {
@@ -125,6 +131,9 @@ class Mixer {
     }
 
   private:
+    [[nodiscard]] static int held(std::int64_t s) noexcept {
+        return s > Logistic::limit ? Logistic::limit : s < -Logistic::limit ? -Logistic::limit : static_cast<int>(s);
+    }
     static constexpr std::int32_t most = 524288;
     const Logistic* logistic_;
     std::vector<std::int32_t> weights_;  // in 2^-16

@@ -1,0 +1,109 @@
+#include "hmesh/rate/lattice_mesh.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "hmesh/fit/moment_table.hpp"
+#include "hmesh/image/image_view.hpp"
+#include "hmesh/mesh/mesh.hpp"
+#include "hmesh/mesh_image.hpp"
+#include "hmesh/rate/compact_lattice.hpp"
+#include "hmesh/render.hpp"
+#include "mesh_flaws.hpp"
+#include "test_images.hpp"
+
+using hmesh::Mesh;
+using hmesh::detail::CompactLattice;
+using hmesh::detail::LatticeMesh;
+
+namespace {
+
+// A mesh of the first image of a lattice.
+Mesh first_mesh(const hmesh::Image<std::uint8_t, 3>& image, const CompactLattice& lattice, std::int64_t n, double position_step) {
+    const auto step = [&](const hmesh::detail::LatticeAxis& axis, int side) {
+        return static_cast<double>(axis.step) / static_cast<double>(axis.end) * side / lattice.per_site;
+    };
+    const auto first = hmesh::detail::shrunk(image.view(), lattice.x.pixels, lattice.y.pixels, step(lattice.x, image.width()),
+                                             step(lattice.y, image.height()), {});
+    hmesh::Options options;
+    options.target = hmesh::Target::vertices(n);
+    options.limits.position_step = position_step;
+    hmesh::Annealed recipe;
+    recipe.effort = hmesh::Effort::draft;
+    return mesh_image(first.view(), options, recipe).mesh;
+}
+double psnr_of(Mesh mesh, const hmesh::Image<std::uint8_t, 3>& image) {
+    hmesh::RenderOptions size;
+    size.width = image.width();
+    size.height = image.height();
+    const auto drawn = hmesh::render<3>(mesh.view(), size);
+    return hmesh::psnr(image.view(), hmesh::to_pixels<std::uint8_t>(drawn.image).view());
+}
+
+}  // namespace
+
+TEST_CASE("a mesh goes to the sites of a lattice, wherever it comes from, and is the better the longer it stays") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 83, 1);
+    const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 120, 83});
+    for (const bool bare : {false, true})
+        for (const double cell : {1.3, 2.0, 5.0, 17.0})
+            for (const bool is_free : {false, true}) {
+                CAPTURE(bare);
+                CAPTURE(cell);
+                CAPTURE(is_free);
+                const CompactLattice lattice = hmesh::detail::find_lattice(120, 83, 120, 83, cell, bare);
+                // Off the lattice many find no site near them.
+                const Mesh first = first_mesh(image, lattice, 60, is_free ? 1.0 / 256 : lattice.per_site);
+                double before = 0;
+                for (const int rounds : {0, 20}) {
+                    LatticeMesh<3> moved(table, lattice, 1);
+                    int told = 0;
+                    REQUIRE(moved.settle(first, rounds, [&](double) { return ++told > 0; }));
+                    CHECK(told == rounds);
+                    const Mesh mesh = moved.mesh();
+                    CHECK(mesh.width == (bare ? lattice.x.sites : 120));
+                    CHECK(hmesh_test::flaw_of(mesh.view(), mesh.width, mesh.height).empty());
+                    for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
+                        const double step = static_cast<double>(lattice.x.step) / lattice.units;
+                        const double place = static_cast<double>(mesh.positions[i]), side = i % 2 == 0 ? mesh.width : mesh.height;
+                        CHECK((place == side || std::fmod(place, step) == 0));
+                    }
+                    const double psnr = psnr_of(mesh, image);
+                    if (mesh.vertex_count() > 12) CHECK(psnr > before);
+                    before = psnr;
+                }
+            }
+}
+
+TEST_CASE("who says stop is heard between two rounds") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 40, 1);
+    const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 60, 40});
+    const CompactLattice lattice = hmesh::detail::find_lattice(60, 40, 60, 40, 2, true);
+    LatticeMesh<3> moved(table, lattice, 1);
+    int told = 0;
+    CHECK(moved.settle(first_mesh(image, lattice, 30, lattice.per_site), 50, [&](double) { return ++told < 3; }));
+    CHECK(told == 3);
+}
+
+TEST_CASE("lattices of all sizes have their ends on the image's sides") {
+    for (const int side : {1, 2, 5, 512, 65536})
+        for (const bool bare : {false, true})
+            for (const double cell : {0.1, 1.0, 1.6, 37.5, 1e6}) {
+                const CompactLattice lattice = hmesh::detail::find_lattice(side, 3, std::min(side, 512), 3, cell, bare);
+                CAPTURE(side);
+                CAPTURE(bare);
+                CAPTURE(cell);
+                const hmesh::detail::LatticeAxis& x = lattice.x;
+                CHECK(x.sites >= 1);
+                CHECK(x.sites <= (bare ? 65536 : 1 << 24));
+                CHECK(x.at(x.sites) == (bare ? x.sites : 256 * side));
+                CHECK(x.at(x.sites - 1) < x.at(x.sites));
+                CHECK(x.place(0) == 0);
+                CHECK(x.place(x.sites) == x.size);
+                CHECK(x.pixels >= 1);
+                for (int k = 0; k <= x.sites; k += 1 + x.sites / 7) CHECK(x.nearest(x.place(k)) == k);
+            }
+}
