@@ -191,7 +191,7 @@ class PsnrCurve {
     constexpr double wasteful = 0.025;     // too many that are worth any number of runs, as small meshes may be
     constexpr double is_known = 1.4;       // up to where two drafts foretell what is needed; one does to a third of that
     constexpr double most_fewer = 1;       // by which a run goes on to fewer: as good as a whole one
-    constexpr double most_more = 0.3;  // by which it goes on to more, which loses 0.1 to 0.3 dB; each run after it wins half back
+    constexpr double most_more = 0.3;    // by which it goes on to more, and loses 0.1 to 0.3 dB; each run after it wins half back
     constexpr double is_touched = 0.06;  // up to where little work keeps the mesh as good
     constexpr double is_sketched = 0.6;  // up to where a sketch tells enough for the whole run
     const auto doublings = [](double from, double to) { return std::log2(to / from); };
@@ -245,8 +245,8 @@ class PsnrCurve {
         const auto count = static_cast<double>(n);
         const double needed = is_finite(now) ? curve->count(psnr) : count / 2, excess = doublings(needed, count);
         if (now >= psnr ? n == 4 || excess <= near_enough : n == most) break;
-        if (best.is_reached() && spent >= 0.6 && doublings(needed, best.vertices()) <= wasteful) break;
-        // More are best met from above.
+        if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
+        // Rather too many than too few.
         std::size_t next = allowed(needed * (doublings(count, needed) > most_more ? 1.05 : 1.003));
         if (next == n) next = now >= psnr ? n - 1 : n + 1;
         const double growth = doublings(count, static_cast<double>(next));
@@ -261,7 +261,7 @@ class PsnrCurve {
             if (goes_on(work) && growth > 0) curve->shift(next, now);  // what it has lost is no slope
             else curve->pass(next, now);
         }
-        spent += work == Work::refine ? 0.375 : work == Work::touch ? 0.2 : 0;
+        spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : 0.2;
         n = next;
         last = std::move(reached);
     }
