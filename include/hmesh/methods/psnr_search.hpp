@@ -188,7 +188,7 @@ class PsnrCurve {
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
     // In doublings of the vertices:
     constexpr double near_enough = 0.014;  // that may be too many: 1 %
-    constexpr double wasteful = 0.025;     // too many that are worth any number of runs, as small meshes may be
+    constexpr double wasteful = 0.018;     // too many that are worth any number of runs, as small meshes may be
     constexpr double is_known = 1.4;       // up to where two drafts foretell what is needed; one does to a third of that
     constexpr double most_fewer = 1;       // by which a run goes on to fewer: as good as a whole one
     constexpr double most_more = 0.3;    // by which it goes on to more, and loses 0.1 to 0.3 dB; each run after it wins half back
