@@ -15882,7 +15882,7 @@ template <int C>
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
     Result result = search(target.value, first, most);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
-        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+        result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, subject.samples, peak);
 }
 
