@@ -236,62 +236,83 @@ TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves w
     CHECK(begun.report.psnr == 26);
 }
 
-// A method that goes on: whole runs and refined meshes follow the curve, sketches are `gap` dB below it, drafts two more.
+// A method that goes on: whole runs and refined meshes follow the curve; drafts and sketches need more vertices for as much.
 struct Goer {
-    double gap = 0.9, slope = 1.6, at_1000 = 30;
+    double draft = 0.5, sketch = 0.8, slope = 1.6, at_1000 = 30;
+    double bend = 0;  // by which the slope grows with each doubling
     double cost = 0;  // in whole runs of the final number of vertices, once divided by it
     std::vector<std::size_t> asked;
+    std::vector<hmesh::kit::Work> works;
     int cancel_at = -1;
 
-    [[nodiscard]] double psnr_of(std::size_t n) const { return at_1000 + slope * std::log2(static_cast<double>(n) / 1000); }
+    [[nodiscard]] double psnr_of(double n) const {
+        const double doublings = std::log2(n / 1000);
+        return at_1000 + (slope + bend * doublings / 2) * doublings;
+    }
     Result operator()(std::size_t n, const hmesh::kit::Beginning& from) {
         using hmesh::kit::Work;
-        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.375, 0.2, 0.25, 0.06};
-        cost += work[static_cast<int>(from.work)] * static_cast<double>(n);
+        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.375, 0.2, 0.4, 0.15};
+        const auto count = static_cast<double>(n);
+        cost += work[static_cast<int>(from.work)] * count;
         if (from.mesh != nullptr) {
-            CHECK(from.mesh->vertex_count() >= 0.7 * static_cast<double>(n));
-            CHECK(from.mesh->vertex_count() <= 1.4 * static_cast<double>(n));
+            CHECK(static_cast<double>(from.mesh->vertex_count()) >= 0.8 * count);
+            CHECK(static_cast<double>(from.mesh->vertex_count()) <= 2.02 * count);
         }
         Result result;
-        result.report.psnr = psnr_of(n) - (from.work == Work::sketch ? gap : from.work == Work::draft ? gap + 2 : 0);
+        result.report.psnr = psnr_of((from.work == Work::sketch ? sketch : from.work == Work::draft ? draft : 1) * count);
         result.report.vertices = n;
         result.mesh.positions.resize(2 * n);
         result.mesh.faces.resize(1);
         if (static_cast<int>(asked.size()) == cancel_at) result.status = {Errc::cancelled, "cancelled"};
         asked.push_back(n);
+        works.push_back(from.work);
         return result;
     }
 };
 
-TEST_CASE("a search that goes on reaches the PSNR within 1 % of the fewest vertices at the cost of less than three whole runs") {
-    for (const double gap : {0.6, 0.9, 1.2})
+TEST_CASE("a search that goes on reaches the PSNR within 1 to 2 % of the fewest vertices, mostly for less than 2.5 whole runs") {
+    using hmesh::kit::Work;
+    int searches = 0, dear = 0;
+    for (const double draft : {0.3, 0.4, 0.5, 0.6, 0.75})  // as of photographs, where 0.5 is expected
         for (const double slope : {1.2, 1.6, 3.0})
-            for (const double psnr : {27.0, 30.0, 33.5}) {
-                CAPTURE(gap);
-                CAPTURE(slope);
-                CAPTURE(psnr);
-                Goer goer;
-                goer.gap = gap;
-                goer.slope = slope;
-                const Result result = hmesh::kit::fewest_vertices_going_on(psnr, 0.9, 250, 100000, goer);
-                CHECK(result.status);
-                CHECK(result.report.psnr >= psnr);
-                const double fewest = 1000 * std::exp2((psnr - goer.at_1000) / slope);
-                CHECK(static_cast<double>(result.report.vertices) <= 1.015 * fewest + 1);
-                CHECK(goer.cost <= 2.8 * static_cast<double>(result.report.vertices));
-            }
+            for (const double bend : {-0.1, 0.0, 0.15})
+                for (const double sketch : {0.0, 0.8})
+                    for (const double psnr : {27.0, 30.0, 33.5}) {
+                        CAPTURE(draft);
+                        CAPTURE(slope);
+                        CAPTURE(bend);
+                        CAPTURE(sketch);
+                        CAPTURE(psnr);
+                        Goer goer;
+                        goer.draft = draft;
+                        goer.slope = slope;
+                        goer.bend = bend;
+                        const Result result = hmesh::kit::fewest_vertices_going_on(psnr, {0.5, sketch}, 250, 100000, goer);
+                        CHECK(result.status);
+                        CHECK(result.report.psnr >= psnr);
+                        CHECK(goer.psnr_of(static_cast<double>(result.report.vertices) / 1.025 - 1) < psnr);
+                        const bool sketched = std::find(goer.works.begin(), goer.works.end(), Work::sketch) != goer.works.end();
+                        CHECK(sketched == (sketch > 0));
+                        const double cost = goer.cost / static_cast<double>(result.report.vertices);
+                        CHECK(cost <= 3.2);
+                        ++searches;
+                        dear += cost > 2.5 ? 1 : 0;
+                    }
+    MESSAGE(dear, " of ", searches, " searches take more than 2.5 whole runs");
+    CHECK(10 * dear <= searches);
 }
 
 TEST_CASE(
     "a search that goes on ends with the best mesh where the PSNR is out of reach, and with that so far where it is cancelled") {
+    const hmesh::kit::Trials trials{0.5, 0.8};
     Goer poor;
-    const Result result = hmesh::kit::fewest_vertices_going_on(60, 0.9, 250, 4000, poor);
+    const Result result = hmesh::kit::fewest_vertices_going_on(60, trials, 250, 4000, poor);
     CHECK(result.status.code == Errc::target_out_of_range);
     CHECK(result.report.vertices == 4000);
     for (int k = 0; k < 6; ++k) {
         Goer goer;
         goer.cancel_at = k;
-        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, 0.9, 250, 100000, goer);
+        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, goer);
         if (goer.asked.size() > static_cast<std::size_t>(k) + 1) continue;  // only a sketch was cut: the next run says so itself
         CHECK((cut.status.code == Errc::cancelled || goer.asked.size() <= static_cast<std::size_t>(k)));
     }
@@ -300,14 +321,14 @@ TEST_CASE(
         Goer goer;
         goer.at_1000 = -200;
         goer.cancel_at = k;
-        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, 0.9, 250, 100000, goer);
+        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, goer);
         CHECK(cut.status.code == Errc::cancelled);
         CHECK(cut.has_mesh());
     }
     Goer flat;
     flat.slope = 0;
     flat.at_1000 = std::numeric_limits<double>::infinity();
-    const Result constant = hmesh::kit::fewest_vertices_going_on(40, 0.9, 250, 100000, flat);
+    const Result constant = hmesh::kit::fewest_vertices_going_on(40, trials, 250, 100000, flat);
     CHECK(constant.status);
     CHECK(constant.report.vertices == 4);
 }

@@ -44,7 +44,7 @@ struct RecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;           // whether run() knows beginnings other than the first
-    double gain_over_sketch;  // where it does
+    kit::Trials trials;  // where it does
 };
 
 /// What is meshed.
@@ -202,7 +202,7 @@ template <int C>
     };
     const double peak = subject.image->peak();
     const auto search = [&](double psnr, double first, std::size_t limit) {
-        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.gain_over_sketch, share(first), limit, mesh_from)
+        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.trials, share(first), limit, mesh_from)
                                 : kit::fewest_vertices(psnr, std::min(limit, share(1)), limit, mesh_of);
     };
     if (target.kind != Target::Kind::psnr) {
@@ -221,7 +221,7 @@ template <int C>
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
     Result result = search(target.value, first, most);
     if (result.status.code == Errc::target_out_of_range && is_bounded)
-        result.status.what = "no mesh of at most max_vertices vertices reached the PSNR asked for, in dB";
+        result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, subject.samples, peak);
 }
 
@@ -234,7 +234,7 @@ struct ImageRecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;
-    double gain_over_sketch;
+    kit::Trials trials;
     bool takes_view;  // whether run() looks at the image
     const char* no_periodic;  // why the recipe refuses periodic images; null: it does not
 };
@@ -325,7 +325,7 @@ template <class T, int C>
         const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
             return recipe.run(mesh, image, n, from);
         };
-        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.gain_over_sketch};
+        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.trials};
         result = mesh_target(subject, reference, options, parallel_for);
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
@@ -398,13 +398,13 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
         if constexpr (detail::knows_work<Recipe>) return static_cast<double>(recipe.from(from).work(view.width, view.height, n));
         else return static_cast<double>(n);
     };
-    double gain = 0;
-    if constexpr (detail::can_go_on<Recipe>) gain = recipe.gain_over_sketch();
+    kit::Trials trials;
+    if constexpr (detail::can_go_on<Recipe>) trials = recipe.trials();
     const Colors colors = options.colors.value_or(Recipe::colors);
     const char* no_periodic = nullptr;
     if constexpr (!detail::can_be_periodic<Recipe>) no_periodic = detail::no_periodic<Recipe>.data();
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, gain,
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, trials,
                                                           detail::wants_view<Recipe, T, C>, no_periodic},
                              parallel_for);
 }

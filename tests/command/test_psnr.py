@@ -218,7 +218,7 @@ def test_within_the_most_vertices_it_is_the_file_that_misses_the_target(hmesh):
     alone = hmesh.report("wide.png --effort fast --psnr 42 -o a.ply")
     run = hmesh.run(f"wide.png --effort fast --psnr 42 --max-vertices {alone['vertices'] // 2} -o a.ply --render a.png --report a.json")
     report = json.loads(read("a.json"))
-    assert run.returncode == 1 and "no mesh of at most max_vertices vertices" in run.stderr
+    assert run.returncode == 1 and "no mesh of so few vertices" in run.stderr
     assert re.search(r"of which 'a\.png' keeps \d+\.\d\d dB, is written", run.stderr)
     assert report["vertices"] <= alone["vertices"] // 2
     assert report["psnr_written"]["a.png"] < report["psnr"] == report["psnr_written"]["a.ply"] < 42

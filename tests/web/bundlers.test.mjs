@@ -8,6 +8,7 @@ import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
+import { gzipSync } from 'node:zlib';
 import { openPage, serve, startBrowser } from './browser.mjs';
 import { hashOf, picture } from './pictures.mjs';
 
@@ -150,4 +151,17 @@ test('a page built by esbuild shows it', { skip: lacks('esbuild') }, async () =>
   copyFileSync(join(folder, 'index.html'), join(outdir, 'index.html'));
   copyFileSync(join(folder, 'node_modules', 'hmesh', 'hmesh.wasm'), join(outdir, 'hmesh.wasm'));
   await show(outdir);
+});
+
+test('what pages load is small: a placeholder and its painter 5.4 kB, hmesh 3.1, its worker 3.8, hmesh/core 3.6', { skip: !found('esbuild') && 'node finds no esbuild' }, async () => {
+  const most = { 'hmesh/placeholder/auto': 5400, hmesh: 3150, 'hmesh/worker': 3800, 'hmesh/core': 3650 };
+  for (const [name, bytes] of Object.entries(most)) {
+    const { outputFiles } = await require('esbuild').build({
+      stdin: { contents: `export * from '${name}';`, resolveDir: folder }, bundle: true, minify: true, format: 'esm', target: 'es2022', write: false,
+      logLevel: 'error', nodePaths: [],
+    });
+    const size = gzipSync(outputFiles[0].contents, { level: 9 }).length;
+    assert.ok(size <= bytes, `${name}: ${size} bytes`);
+    assert.ok(size > bytes / 2, `${name}: ${size} bytes`);
+  }
 });

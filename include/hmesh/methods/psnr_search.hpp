@@ -7,8 +7,8 @@
 ///
 /// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method.
 ///
-/// Of a method that can go on from a mesh, drafts first tell the slope and about how many vertices it takes; then comes one whole
-/// run, and all further ones go on from the one before. Cost: some 2 runs of the method.
+/// Of a method that can go on from a mesh, drafts first tell how steep the curve is and about how many vertices it takes; then
+/// comes one whole run, and all further ones go on from the one before. Cost: some 2 runs of the method.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -17,6 +17,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
@@ -47,11 +48,9 @@ class SearchProgress {
     [[nodiscard]] HMESH_COLD ProgressSpan next(Work kind, FunctionRef<double(Work kind)> work_of) {
         int& count = runs_of_[static_cast<std::size_t>(kind)];
         ++count;
-        // Two sketches and two refinements are usual, and the first draft has a quarter of the vertices that the others have.
-        double later = work_of(Work::refine) * (!goes_on(kind) ? 1.4 : count == 1 ? 0.6 : 0.1);
+        // A refinement and a touch or two are usual, and the first draft has a quarter of the vertices that the others have.
+        double later = work_of(Work::refine) * (!goes_on(kind) ? 1.6 : count == 1 ? 0.6 : 0.2);
         if (kind == Work::draft || kind == Work::sketch) later += work_of(Work::whole);
-        if (kind == Work::draft || count == 1)
-            later += (kind == Work::draft ? 2 : kind == Work::sketch ? 1 : 0) * work_of(Work::sketch);
         return next(work_of(kind), kind == Work::draft && count == 1 ? 4 * later : later);
     }
 
@@ -69,7 +68,7 @@ class BestResult {
     explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
-    [[nodiscard]] double excess() const noexcept { return result_.report.psnr - psnr_; }     ///< dB above it; below: < 0
+    [[nodiscard]] double vertices() const noexcept { return static_cast<double>(result_.report.vertices); }  ///< that it has
     /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
     /// reached the PSNR before.
     bool offer(Result result) {
@@ -91,6 +90,44 @@ class BestResult {
   private:
     double psnr_;
     Result result_;
+};
+
+/// The PSNR over the number of vertices, after runs of one kind: about a straight line in the fourth root of that number, as of
+/// photographs between 20 and 42 dB; where all but their grain is fitted, they rise less.
+class PsnrCurve {
+  public:
+    /// After a first run of n vertices.
+    PsnrCurve(std::size_t n, double psnr) noexcept : root_(root_of(static_cast<double>(n))), psnr_(psnr), rise_(rise_of(1.6)) {}
+    /// Through a run of n vertices, as steep as before.
+    void shift(std::size_t n, double psnr) noexcept {
+        root_ = root_of(static_cast<double>(n));
+        psnr_ = psnr;
+    }
+    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance.
+    void pass(std::size_t n, double psnr) noexcept {
+        const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
+        const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling
+        shift(n, psnr);
+        if (is_far) rise_ = std::max(rise_of(0.6), std::min(rise_of(8), gain / step));
+    }
+    /// The curve of runs that reach as much by this share of the vertices.
+    void scale(double share) noexcept {
+        root_ *= root_of(share);
+        rise_ /= root_of(share);
+    }
+    /// The number of vertices for a PSNR.
+    [[nodiscard]] double count(double psnr) const noexcept {
+        const double root = std::max(root_ / 2, root_ + (psnr - psnr_) / rise_);
+        return root * root * root * root;
+    }
+
+  private:
+    [[nodiscard]] static double root_of(double n) noexcept { return std::sqrt(std::sqrt(n)); }
+    /// The rise that is so many dB for a doubling.
+    [[nodiscard]] double rise_of(double slope) const noexcept { return slope / (0.1733 * root_); }  // log(2) / 4
+
+    double root_, psnr_;
+    double rise_;  ///< dB for one more of the root
 };
 
 }  // namespace detail
@@ -147,73 +184,85 @@ class BestResult {
 /// some 1 % more vertices than those that the method would need from the start, and may have fewer: a mesh gets better with each
 /// run that goes on from it.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
-    double psnr, double gain_over_sketch, std::size_t first, std::size_t most,
+    double psnr, const Trials& trials, std::size_t first, std::size_t most,
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
-    constexpr double near_enough = 0.035;  // dB above the target: 1.5 % of the vertices
-    constexpr double wasteful = 0.1;       // dB above it that are worth any number of runs, as small meshes may be
-    constexpr double is_nearby = 0.4;      // doublings of the vertices up to which a run goes on from the one before
-    constexpr double is_known = 0.6;       // up to which a sketch tells enough for the whole run
-    constexpr double is_touched = 0.05;    // up to which little work keeps the mesh as good
-    double slope = 1.6;                    // dB for each doubling of the vertices
-    const auto doublings = [](std::size_t from, std::size_t to) {
-        return std::log2(static_cast<double>(to) / static_cast<double>(from));
-    };
-    const auto next_after = [&](std::size_t n, double missing) {  // where a run of n vertices missed so many dB
-        const double count = static_cast<double>(n) * std::exp2(std::max(-4.0, std::min(2.3, missing / slope)));
-        return std::max<std::size_t>(4, std::min(most, static_cast<std::size_t>(std::llround(count))));
-    };
-    const auto learn = [&](std::size_t from, double from_psnr, std::size_t to, double to_psnr) {
-        const double distance = doublings(from, to);
-        if (is_finite(to_psnr) && std::abs(distance) > 0.2)
-            slope = std::max(0.6, std::min(8.0, (to_psnr - from_psnr) / distance));
+    // In doublings of the vertices:
+    constexpr double near_enough = 0.014;  // that may be too many: 1 %
+    constexpr double wasteful = 0.018;     // too many that are worth any number of runs, as small meshes may be
+    constexpr double is_known = 1.4;       // up to where two drafts foretell what is needed; one does to a third of that
+    constexpr double most_fewer = 1;       // by which a run goes on to fewer: as good as a whole one
+    constexpr double most_more = 0.3;    // by which it goes on to more, and loses 0.1 to 0.3 dB; each run after it wins half back
+    constexpr double is_touched = 0.06;  // up to where little work keeps the mesh as good
+    constexpr double is_sketched = 0.6;  // up to where a sketch tells enough for the whole run
+    const auto doublings = [](double from, double to) { return std::log2(to / from); };
+    const auto allowed = [&](double n) {
+        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(most), n))));
     };
 
-    // Drafts, 6 % of a whole run each, lead near a sketch, and sketches to the whole run. How far a draft is below a sketch
-    // differs much between images: rather too few vertices than too many, which take longer.
-    std::size_t n = first, before = 0;
-    double before_psnr = 0;
     Result rough;                              // the last one but the very last; without a mesh at first
     const auto better_of = [&](Result last) {  // that and one that failed or was cancelled, with its status
         if (!rough.has_mesh() || last.report.psnr >= rough.report.psnr) return last;
         rough.status = last.status;
         return std::move(rough);
     };
-    for (int drafts = 0, sketches = 0; drafts < 4 && sketches < 4;) {
-        const bool is_sketch = sketches != 0 || drafts == 3 || (before != 0 && std::abs(doublings(before, n)) < 1);
-        Result result = mesh_from(n, {nullptr, is_sketch ? Work::sketch : Work::draft});
-        if (!result.status) return better_of(std::move(result));
-        if (!is_finite(result.report.psnr)) break;
-        if (before != 0 && (sketches != 0) == is_sketch) learn(before, before_psnr, n, result.report.psnr);
-        before = n, before_psnr = result.report.psnr;
-        ++(is_sketch ? sketches : drafts);
-        const double missing = psnr - gain_over_sketch - (is_sketch ? 0 : 2) - result.report.psnr;
-        // The further away, the steeper: curves rise fast while there are few vertices for what is in the picture.
-        if (drafts == 1 && sketches == 0) slope = 1.6 + 0.06 * std::min(10.0, std::abs(missing));
-        n = next_after(n, missing);
-        if (is_sketch && std::abs(doublings(before, n)) < is_known) break;
-        rough = std::move(result);
+    // Drafts, each a tenth of a whole run, foretell about how many vertices that takes: the last of about as many.
+    std::size_t n = first;
+    std::optional<detail::PsnrCurve> curve;
+    for (int runs = 1; runs <= 4; ++runs) {
+        Result draft = mesh_from(n, {nullptr, Work::draft});
+        if (!draft.status) return better_of(std::move(draft));
+        const double reached = draft.report.psnr;
+        if (!is_finite(reached)) break;
+        if (curve) curve->pass(n, reached);
+        else curve.emplace(n, reached);
+        const auto count = static_cast<double>(n), needed = curve->count(psnr);
+        n = allowed(std::min(5 * count, trials.draft * needed));
+        if (std::abs(doublings(count, needed)) < (runs == 1 ? is_known / 3 : is_known) || static_cast<double>(n) == count) break;
+        rough = std::move(draft);
+    }
+    if (curve) curve->scale(trials.draft);
+    for (int runs = 0; curve && trials.sketch > 0 && runs < 2; ++runs) {
+        Result sketch = mesh_from(n, {nullptr, Work::sketch});
+        if (!sketch.status) return better_of(std::move(sketch));
+        if (!is_finite(sketch.report.psnr)) break;
+        curve->scale(1 / trials.sketch);
+        curve->shift(n, sketch.report.psnr);
+        curve->scale(trials.sketch);
+        const std::size_t before = std::exchange(n, allowed(curve->count(psnr)));
+        if (std::abs(doublings(static_cast<double>(before), static_cast<double>(n))) < is_sketched) break;
+        rough = std::move(sketch);
     }
 
     Result whole = mesh_from(n, {});
     if (!whole.status) return better_of(std::move(whole));
     double now = whole.report.psnr;
+    if (!curve) curve.emplace(n, now);
+    else if (is_finite(now)) curve->shift(n, now);
     Mesh last = whole.mesh;
     detail::BestResult best(psnr, std::move(whole));
-    double spent = 0;  // whole runs, since then only to save vertices
-    for (int runs = 1; (spent < 0.4 || best.excess() > wasteful) && runs < 20; ++runs) {
-        const bool is_reached = now >= psnr;
-        if (is_reached ? n == 4 || now <= psnr + near_enough : n == most) break;
-        std::size_t next = next_after(n, is_finite(now) ? psnr + 0.3 * near_enough - now : -slope);
-        if (next == n) next = is_reached ? n - 1 : n + 1;
-        const double distance = std::abs(doublings(n, next));
-        const Work work = distance > is_nearby ? Work::whole : distance > is_touched ? Work::refine : Work::touch;
+    double spent = 0;  // whole runs since then
+    for (int runs = 1; runs < 20; ++runs) {
+        const auto count = static_cast<double>(n);
+        const double needed = is_finite(now) ? curve->count(psnr) : count / 2, excess = doublings(needed, count);
+        if (now >= psnr ? n == 4 || excess <= near_enough : n == most) break;
+        if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
+        // Rather too many than too few.
+        std::size_t next = allowed(needed * (doublings(count, needed) > most_more ? 1.05 : 1.003));
+        if (next == n) next = now >= psnr ? n - 1 : n + 1;
+        const double growth = doublings(count, static_cast<double>(next));
+        const Work work = growth > most_more || growth < -most_fewer ? Work::whole
+                          : std::abs(growth) > is_touched            ? Work::refine
+                                                                     : Work::touch;
         Result result = mesh_from(next, {work == Work::whole ? nullptr : &last, work});
-        const double then = result.report.psnr;
+        now = result.report.psnr;
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
-        learn(n, now, next, then);
-        if (then >= psnr || now >= psnr) spent += work == Work::refine ? 0.375 : work == Work::touch ? 0.2 : 0;
-        n = next, now = then;
+        if (is_finite(now)) {
+            if (goes_on(work) && growth > 0) curve->shift(next, now);  // what it has lost is no slope
+            else curve->pass(next, now);
+        }
+        spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : 0.2;
+        n = next;
         last = std::move(reached);
     }
     return best.take();

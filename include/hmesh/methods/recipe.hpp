@@ -14,12 +14,12 @@
 /// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status. A recipe that
 /// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
 /// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
-/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `double
-/// gain_over_sketch() const`, by how many dB whole runs are above sketches; a `double work(int width, int height, std::size_t n)
-/// const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr bool
-/// can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
-/// periodic(); without it such images are refused. run() may tell mesh.progress() by
-/// plan() how long its stages take. A tile_size() of the image's longer side means one
+/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and
+/// `hmesh::kit::Trials trials() const`, what drafts and sketches foretell of whole runs; a `double work(int width, int height,
+/// std::size_t n) const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr
+/// bool can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
+/// periodic(); without it such images are refused. run() may tell mesh.progress() by plan() how long its stages take. A
+/// tile_size() of the image's longer side means one
 /// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
 /// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
@@ -48,6 +48,12 @@ enum class Work : unsigned char {
 
 /// Whether such a run goes on from the mesh of another.
 [[nodiscard]] constexpr bool goes_on(Work work) noexcept { return work == Work::refine || work == Work::touch; }
+
+/// What drafts and sketches foretell of whole runs.
+struct Trials {
+    double draft = 0.5;  ///< a whole run is as good as a draft with this share of its vertices; in (0, 1]
+    double sketch = 0;   ///< the same of sketches; 0: none are made, where they take longer than what they save
+};
 
 /// What one run of a search begins with.
 struct Beginning {

@@ -6,15 +6,16 @@
 export const MOST_POINTS = 1024;  // corners among them
 const MOST_PIXELS = 4096;  // of a side: signs of circles are exact up to these
 const EDGE = 2048;  // above MOST_POINTS
+const ROW = 8192;  // above twice MOST_PIXELS less one
 
 // Where each table of contexts begins in the one array of all, and each part's sets of weights.
 const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANGLES + 3 * 256, NEAR = SHAPES + 3 * 4096;
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-const { max, min, abs, ceil, floor, round: nearest, trunc, exp, tan, PI } = Math;
+export const { max, min, abs, ceil, floor, round, trunc, exp, tan, sqrt, PI } = Math;
 // Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
-const table = (size, body) => Array.from({ length: size }, (_, k) => nearest(body(k)));
+const table = (size, body) => Array.from({ length: size }, (_, k) => round(body(k)));
 const LOGISTIC = table(45, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
@@ -29,8 +30,11 @@ function probability(s) {
 
 let logarithms;
 function makeLogarithms() {
-  logarithms = new Int16Array(4096);
-  for (let k = 0, s = -2816; k < 4096; logarithms[k++] = s) while (s < 2816 && probability(s) < 16 * k + 8) s++;
+  let s = -2816;
+  return Int16Array.from({ length: 4096 }, (_, k) => {
+    while (s < 2816 && probability(s) < 16 * k + 8) s++;
+    return s;
+  });
 }
 
 // The arithmetic code from bytes[at] on, with its contexts: a context is its q less 2^21 in units of 256, and its count.
@@ -58,64 +62,61 @@ function openCode(bytes, at) {
   };
   for (let k = 0; k < 4; k++) shift();
   weights.fill(21845).fill(26000, 4 * FLIP_WEIGHTS, 4 * COLOR_WEIGHTS);
-  return {
-    bits(count) {
-      let value = 0;
-      while (count-- > 0) value = 2 * value + raw(32768);
-      return value;
-    },
-    told(context) {
-      const bit = raw(max(1, q(context) >> 6));
-      learn(context, bit);
-      return bit;
-    },
-    mixed(set, names) {
-      let sum = 0;
-      for (let k = 0; k < names.length; k++) sum += weights[4 * set + k] * logarithms[q(names[k]) >> 10];
-      const p = probability(held(trunc(sum / 65536), 2816)), bit = raw(p);
-      for (let k = 0; k < names.length; k++) {
-        const log = logarithms[q(names[k]) >> 10], at = 4 * set + k;
-        weights[at] = held(weights[at] + trunc(log * (bit * 65536 - p) / 16384), 524288);
-        learn(names[k], bit);
-      }
-      return bit;
-    },
-    // Whether the bytes end as their writer ends them.
-    ends() {
-      for (let size = 0; ; size++) {
-        const unit = 2 ** (32 - 8 * size), tail = Math.ceil(low / unit) * unit;
-        if (tail <= high) return at === bytes.length && missing + size === 4 && code === tail;
-      }
-    },
+  const bits = (count) => {
+    let value = 0;
+    while (count-- > 0) value = 2 * value + raw(32768);
+    return value;
   };
+  const told = (context) => {
+    const bit = raw(max(1, q(context) >> 6));
+    learn(context, bit);
+    return bit;
+  };
+  const mixed = (set, names) => {
+    const logs = names.map((name) => logarithms[q(name) >> 10]);
+    const p = probability(held(trunc(logs.reduce((sum, log, k) => sum + weights[4 * set + k] * log, 0) / 65536), 2816)), bit = raw(p);
+    names.forEach((name, k) => {
+      weights[4 * set + k] = held(weights[4 * set + k] + trunc(logs[k] * (bit * 65536 - p) / 16384), 524288);
+      learn(name, bit);
+    });
+    return bit;
+  };
+  // Whether the bytes end as their writer ends them.
+  const ends = () => {
+    for (let size = 0; ; size++) {
+      const unit = 2 ** (32 - 8 * size), tail = ceil(low / unit) * unit;
+      if (tail <= high) return at === bytes.length && missing + size === 4 && code === tail;
+    }
+  };
+  return [bits, told, mixed, ends];
 }
 
-function readCounts(code) {
-  const rest = (size) => (size ? 2 ** (size - 1) + code.bits(size - 1) : 0), inside = rest(code.bits(5)), counts = [];
+function readCounts([bits, told]) {
+  const rest = (size) => (size ? 2 ** (size - 1) + bits(size - 1) : 0), inside = rest(bits(5)), counts = [];
   while (counts.length < 4) {
     let size = 0;
-    while (size < 31 && code.told(COUNTS + size)) size++;
+    while (size < 31 && told(COUNTS + size)) size++;
     counts.push(rest(size));
   }
   return [...counts, inside];
 }
 
-// n sites of width x height, as [x, y].
-function readSites(code, width, height, n) {
+// n sites of width x height, as [x, y]. A cell is named by ROW x + y of its level.
+function readSites([bits, told, mixed], width, height, n) {
   const left = [digits(width - 1), digits(height - 1)], axes = [], sides = [[...left]], sites = [];
   while (left[0] + left[1]) {
-    axes.push(left[1] > left[0] ? 1 : 0);
-    left[axes[axes.length - 1]]--;
+    const a = left[1] > left[0] ? 1 : 0;
+    axes.push(a);
+    left[a]--;
     sides.push([...left]);
   }
-  const room = (level, x, y) => {
-    const [a, b] = sides[level];
-    return max(0, min(1 << a, width - (x << a))) * max(0, min(1 << b, height - (y << b)));
-  };
-  // The two halves of a cell, and how many of its points the first has.
-  const halve = (level, [x, y, n], ask) => {
-    const one = axes[level] ? [x, 2 * y] : [2 * x, y], two = axes[level] ? [x, 2 * y + 1] : [2 * x + 1, y];
-    let least = max(0, n - room(level + 1, ...two)), most = min(n, room(level + 1, ...one));
+  const inside = (side, at, size) => max(0, min(1 << side, size - (at << side)));
+  const room = (level, cell) => inside(sides[level][0], floor(cell / ROW), width) * inside(sides[level][1], cell % ROW, height);
+  const first = (level, cell) => cell + (axes[level] ? cell % ROW : cell - cell % ROW), unit = (level) => (axes[level] ? 1 : ROW);
+  // The two halves of a cell, and how many of its points each has.
+  const halve = (level, [cell, n], ask) => {
+    const one = first(level, cell), two = one + unit(level++);
+    let least = max(0, n - room(level, two)), most = min(n, room(level, one));
     for (let node = 1; least < most;) {
       const middle = (least + most) >> 1;
       const bit = ask(n < 2 ? 0 : n < 4 ? 3 * n - 6 + min(3, node) : 8 + 8 * min(4, digits(n) - 3) + min(7, node));
@@ -123,44 +124,28 @@ function readSites(code, width, height, n) {
       else most = middle;
       node = min(8, 2 * node + bit);
     }
-    one.push(least);
-    two.push(n - least);
-    return [one, two].filter((cell) => cell[2]);
+    return [[one, least], [two, n - least]].filter((half) => half[1]);
   };
-  // Counts of the cells of a level, with empty ones around.
-  const makeGrid = (level) => {
-    const columns = (1 << (sides[0][0] - sides[level][0])) + 2, rows = (1 << (sides[0][1] - sides[level][1])) + 2;
-    const counts = new Uint16Array(columns * rows), place = (x, y) => (y + 1) * columns + x + 1;
-    return { get: (x, y) => counts[place(x, y)], set: ([x, y, n]) => { counts[place(x, y)] = n; } };
-  };
-  let cells = [[0, 0, n]], grid = makeGrid(0);
-  grid.set(cells[0]);
   const dense = min(axes.length, digits(n) + 2);
+  let cells = new Map([[0, n]]);
   for (let level = 0; level < dense; level++) {
-    const a = axes[level], deeper = min(31, axes.length - level), halves = makeGrid(level + 1), next = [];
+    const deeper = min(31, axes.length - level), along = unit(level), across = ROW + 1 - along, halves = new Map();
     for (const cell of cells) {
-      const [x, y] = cell;
-      const whole = (along, across) => (a ? grid.get(x + across, y + along) : grid.get(x + along, y + across));
-      const half = (along, across, which) =>
-        (a ? halves.get(x + across, 2 * (y + along) + which) : halves.get(2 * (x + along) + which, y + across));
-      const q3 = (count) => min(3, count);
-      const s1 = half(0, -1, 0), s2 = half(0, -1, 1), far = whole(-1, 1) + whole(1, 1) + whole(1, -1);
-      const near = q3(half(-1, 0, 1)) << 6 | q3(whole(1, 0)) << 4 | q3(s1) << 2 | q3(s2);
+      const q3 = (count) => min(3, count), whole = (k, l) => cells.get(cell[0] + k * along + l * across) | 0;
+      const half = (k, l) => halves.get(first(level, cell[0]) + k * along + l * across) | 0;
+      const s1 = half(0, -1), s2 = half(1, -1), far = whole(-1, 1) + whole(1, 1) + whole(1, -1);
+      const near = q3(half(-1, 0)) << 6 | q3(whole(1, 0)) << 4 | q3(s1) << 2 | q3(s2);
       const wide = min(7, whole(-1, 0)) << 5 | min(7, whole(1, 0)) << 2 | (min(4, deeper) - 1);
-      const others = q3(s1 + s2) << 6 | q3(whole(0, 1)) << 4 | q3(half(-1, -1, 1)) << 2 | q3((far + 1) >> 1);
-      for (const part of halve(level, cell, (kind) => code.mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0),
-        [kind * 1024 + near, kind * 1024 + 256 + wide, kind * 1024 + 512 + others, kind * 1024 + 768 + a * 32 + deeper]))) {
-        halves.set(part);
-        next.push(part);
-      }
+      const others = q3(s1 + s2) << 6 | q3(whole(0, 1)) << 4 | q3(half(-1, -1)) << 2 | q3((far + 1) >> 1);
+      halve(level, cell, (kind) => mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0),
+        [near, 256 + wide, 512 + others, 768 + axes[level] * 32 + deeper].map((name) => kind * 1024 + name)))
+        .forEach((part) => halves.set(...part));
     }
-    cells = next;
-    grid = halves;
+    cells = halves;
   }
   const split = (level, cell) => {
-    if (level === axes.length) sites.push(cell);
-    else for (const part of halve(level, cell, (kind) => (kind ? code.told(INNER + 2 * kind + axes[level]) : code.bits(1))))
-      split(level + 1, part);
+    if (level === axes.length) sites.push([floor(cell[0] / ROW), cell[0] % ROW]);
+    else halve(level, cell, (kind) => (kind ? told(INNER + 2 * kind + axes[level]) : bits(1))).forEach((part) => split(level + 1, part));
   };
   for (const cell of cells) split(dense, cell);
   return sites;
@@ -172,7 +157,7 @@ export function makeTriangles(x, y) {
   const n = x.length, edges = new Int32Array(n * n);
   // The point across from an edge, or -1, and its round.
   const apex = (a, b) => (edges[a * n + b] & EDGE - 1) - 1;
-  const round = (a, b) => trunc(edges[a * n + b] / EDGE);
+  const since = (a, b) => trunc(edges[a * n + b] / EDGE);
   const set = (a, b, c, round) => {
     edges[a * n + b] = EDGE * round + c + 1;
     edges[b * n + c] = EDGE * round + a + 1;
@@ -211,10 +196,10 @@ export function makeTriangles(x, y) {
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return { x, y, n, apex, round, set, turn, isInside, begin, angle, flip };
+  return { x, y, n, apex, since, set, turn, isInside, begin, angle, flip };
 }
 
-function readFlips(code, { n, apex, round, turn, angle, flip }) {
+function readFlips([, , mixed], { n, apex, since, turn, angle, flip }) {
   let asked = new Set(), left = 64 * n;
   const ask = (a, b) => asked.add(min(a, b) * n + max(a, b));
   for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (apex(a, b) >= 0 || apex(b, a) >= 0) ask(a, b);
@@ -222,14 +207,14 @@ function readFlips(code, { n, apex, round, turn, angle, flip }) {
     const edges = asked;
     asked = new Set();
     for (const edge of edges) {
-      const a = floor(edge / n), b = edge % n, c = apex(a, b), d = apex(b, a), made = [round(a, b), round(b, a)];
+      const a = floor(edge / n), b = edge % n, c = apex(a, b), d = apex(b, a), made = [since(a, b), since(b, a)];
       if (c < 0 || d < 0 || made.includes(now) || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
       const g = angle(c, a, b), h = angle(d, b, a), i = angle(a, d, c), j = angle(b, c, d);
       const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
       const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = made.filter((at) => at === now - 1).length, shape = phase * 16 + (slack >> 2);
       let near = 0;
-      for (const [u, v] of sides) near += round(u, v) === now ? 6 : min(1, round(u, v));
-      if (!code.mixed(FLIP_WEIGHTS + shape,
+      for (const [u, v] of sides) near += since(u, v) === now ? 6 : min(1, since(u, v));
+      if (!mixed(FLIP_WEIGHTS + shape,
         [ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j), NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near])) continue;
       if (left-- === 0) refuse();
       flip(a, b, c, d, now);
@@ -239,13 +224,13 @@ function readFlips(code, { n, apex, round, turn, angle, flip }) {
 }
 
 // Of all points, `channels` colours each, 0 to 255. `step` is that of coarse colours, 0 of exact ones; `mean` is 1536 times the mean area of points.
-function readColors(code, mesh, channels, step, mean) {
+function readColors([bits, told, mixed], mesh, channels, step, mean) {
   const { n, x, y } = mesh, planes = new Int32Array(n * channels), missed = new Int32Array(n * channels);
   const colors = new Int32Array(n * channels), isRgb = channels > 2, hasAlpha = channels % 2 === 0;
   for (let v = 0; v < n; v++) {
     let area = 0;
     for (let u = 0; u < n; u++) if (mesh.apex(v, u) >= 0) area += mesh.turn(v, u, mesh.apex(v, u));
-    const fineness = floor(Math.sqrt(max(16, min(4096, floor(mean / area)))));
+    const fineness = floor(sqrt(max(16, min(4096, floor(mean / area)))));
     let near = [], nearest = 2 ** 26, total = 0;
     for (let u = 0; u < v; u++) {
       if (mesh.apex(u, v) < 0 && mesh.apex(v, u) < 0) continue;
@@ -273,12 +258,12 @@ function readColors(code, mesh, channels, step, mean) {
       let size = 0, value = 0, sign = 0;
       for (const largest = digits(floor(max(guess, top - guess) / unit)); size < largest; size++) {
         const set = channel * 16 + size, at = COLORS + set * 220;
-        if (!code.mixed(COLOR_WEIGHTS + set, [at + spread, at + 20 + off, at + 40 + other, at + 60 + place])) break;
+        if (!mixed(COLOR_WEIGHTS + set, [at + spread, at + 20 + off, at + 40 + other, at + 60 + place])) break;
       }
       if (size) {
-        sign = 1 + code.told(SIGNS + channel * 9 + sign1 * 3 + sign2);
+        sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
         value = 1;
-        for (let left = size - 1; left--;) value = 2 * value + (value < 4 ? code.told(DIGITS + (channel * 16 + size) * 4 + value) : code.bits(1));
+        for (let left = size - 1; left--;) value = 2 * value + (value < 4 ? told(DIGITS + (channel * 16 + size) * 4 + value) : bits(1));
       }
       value *= unit;
       const number = sign > 1 ? guess - value : guess + value, at = v * channels + channel;
@@ -288,12 +273,10 @@ function readColors(code, mesh, channels, step, mean) {
       [size2, size1, sign2, sign1] = [size1, size, sign1, sign];
     }
     const at = v * channels;
-    if (isRgb && step) {
-      const o = planes[at + 1] - 8192, green = planes[at + 2] - 8192, r = planes[at] + o - green;
-      colors.set([r, planes[at] + 2 * green, r - 2 * o], at);
-    } else if (isRgb) {
-      const o = planes[at + 1] - 255, green = planes[at + 2] - 255, m = planes[at] - (green >> 1), b = m - (o >> 1);
-      colors.set([b + o, green + m, b], at);
+    if (isRgb) {
+      const zero = step ? 8192 : 255, o = planes[at + 1] - zero, green = planes[at + 2] - zero;
+      const m = planes[at] - (step ? -2 * green : green >> 1), b = step ? planes[at] - o - green : m - (o >> 1);
+      colors.set([step ? b + 2 * o : b + o, step ? m : green + m, b], at);
     }
     for (let k = at; k < at + channels; k++) {
       if (step) colors[k] = min(255, (max(0, colors[k]) + 8) >> 4);
@@ -328,21 +311,18 @@ function read(bytes, told) {
     for (const [x, y] of k < 4 ? readSites(code, room[k], 1, count) : readSites(code, columns - 1, rows - 1, count))
       sites.push([[x + 1, 0], [columns, x + 1], [x + 1, rows], [0, x + 1], [x + 1, y + 1]][k]);
   });
-  const mesh = makeTriangles(sites.map(([x]) => min(width, step * x)), sites.map(([, y]) => min(height, step * y)));
+  const mesh = makeTriangles(...[width, height].map((size, axis) => sites.map((site) => min(size, step * site[axis]))));
   mesh.begin(0, counts[0] ? 4 : 1);
   readFlips(code, mesh);
   const numbers = readColors(code, mesh, channels, colorStep, floor(1536 * width * height / n));
-  if (!code.ends()) return null;
+  if (!code[3]()) return null;
   const indices = [];
   for (let a = 0; a < n; a++)
     for (let b = a + 1; b < n; b++) if (mesh.apex(a, b) > a) indices.push(a, b, mesh.apex(a, b));
-  const isGray = channels < 3, to = channels + (isGray ? 2 : 0), colors = new Uint8Array(to * n);
-  for (let k = 0; k < to * n; k++) {
-    const channel = k % to;
-    colors[k] = numbers[floor(k / to) * channels + (isGray ? max(0, channel - 2) : channel)];
-  }
+  const more = channels < 3 ? 2 : 0, to = channels + more;  // gray is three channels
+  const colors = Uint8Array.from({ length: to * n }, (_, k) => numbers[floor(k / to) * channels + max(0, k % to - more)]);
   return {
-    positions: Float32Array.from({ length: 2 * n }, (_, k) => (k % 2 ? mesh.y : mesh.x)[k >> 1]), colors, indices: Uint32Array.from(indices),
+    positions: Float32Array.from(mesh.x.flatMap((x, v) => [x, mesh.y[v]])), colors, indices: Uint32Array.from(indices),
     width, height, channels: to,
     premultiplied: (first & 4) > 0, linear: (first & 8) > 0, vertices: n, faces: indices.length / 3,
   };
@@ -350,7 +330,7 @@ function read(bytes, told) {
 
 // The mesh of the bytes of a bare compact file, or null where they are none. `told`: width and height, px, where the bytes leave them out.
 export function readBare(bytes, told = []) {
-  if (!logarithms) makeLogarithms();
+  logarithms ??= makeLogarithms();
   try {
     return read(bytes, told);
   } catch (error) {

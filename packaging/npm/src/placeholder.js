@@ -3,10 +3,9 @@
 //
 // Drawn at 40 px, softened, and magnified smoothly by the browser: of the triangles nothing is seen but their colours. No canvas is needed, so
 // that servers can do the same.
-import { readBare } from './bare.js';
+import { ceil, max, min, readBare, round } from './bare.js';
 
 const LARGEST = 4096;  // characters of a text; of more no mesh of MOST_POINTS is made
-const { min, max, floor, ceil, round, sqrt } = Math;
 
 // Either alphabet of base64, or nothing.
 function toBytes(text) {
@@ -17,10 +16,14 @@ function toBytes(text) {
   }
 }
 
-export function decode(data, { width, height } = {}) {
+function read(data, size) {
   if (!(data?.length <= LARGEST)) return null;
   const bytes = typeof data === 'string' ? toBytes(data) : data;
-  const mesh = bytes instanceof Uint8Array ? readBare(bytes, [width, height]) : null;
+  return bytes instanceof Uint8Array ? readBare(bytes, size) : null;
+}
+
+export function decode(data, { width, height } = {}) {
+  const mesh = read(data, [width, height]);
   if (!mesh || !(width > 0 && width < Infinity && height > 0 && height < Infinity)) return mesh;
   const scales = [width / mesh.width, height / mesh.height];
   return { ...mesh, positions: mesh.positions.map((at, k) => at * scales[k % 2]), width, height };
@@ -34,9 +37,8 @@ const fromLight = (x) => (x > 0.0031308 ? 1.055 * x ** (1 / 2.4) - 0.055 : x * 1
 function shade({ positions, colors, indices, channels, premultiplied, linear, width: w, height: h }, width, height) {
   const pixels = new Float32Array(4 * width * height), corner = [[], [], []];
   const share = (v, k) => {
-    if (k === 3) return channels > 3 ? colors[channels * v + 3] / 255 : 1;
-    const value = colors[channels * v + k] / 255;
-    return linear ? toLight(value) : value;
+    const value = k < channels ? colors[channels * v + k] / 255 : 1;
+    return linear && k < 3 ? toLight(value) : value;
   };
   for (let f = 0; f < indices.length; f += 3) {
     for (let k = 0; k < 3; k++) {
@@ -49,39 +51,30 @@ function shade({ positions, colors, indices, channels, premultiplied, linear, wi
         const u = side(b, c, x, y) / area, v = side(c, a, x, y) / area, t = 1 - u - v;
         if (u < -1e-6 || v < -1e-6 || t < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
         const at = 4 * (y * width + x), alpha = u * a[5] + v * b[5] + t * c[5];
-        for (let k = 0; k < 3; k++) {
+        for (let k = 0; k < 4; k++) {
           const value = u * a[2 + k] + v * b[2 + k] + t * c[2 + k];
-          pixels[at + k] = (linear ? fromLight(value) : value) * (premultiplied ? 1 : alpha);
+          pixels[at + k] = k > 2 ? alpha : (linear ? fromLight(value) : value) * (premultiplied ? 1 : alpha);
         }
-        pixels[at + 3] = alpha;
       }
   }
   return pixels;
 }
 
 // Each number becomes the mean of itself, twice, and of those before and behind it along an axis; what is over the end is as the last.
-function soften(pixels, count, step, lines, stride) {
-  for (let line = 0; line < lines; line++)
-    for (let k = 0; k < 4; k++) {
-      const at = (i) => line * stride + i * step + k;
-      let before = pixels[at(0)];
-      for (let i = 0; i < count; i++) {
-        const here = pixels[at(i)];
-        pixels[at(i)] = (before + 2 * here + pixels[at(min(i + 1, count - 1))]) / 4;
-        before = here;
-      }
-    }
+function soften(pixels, count, step) {
+  return pixels.map((here, i) => {
+    const at = (i / step | 0) % count, before = at > 0 ? step : 0, behind = at < count - 1 ? step : 0;
+    return (pixels[i - before] + 2 * here + pixels[i + behind]) / 4;
+  });
 }
 
 export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
   const scale = min(96, pixels) / max(mesh.width, mesh.height), side = (length) => max(1, round(length * scale));
-  const width = side(mesh.width), height = side(mesh.height), shaded = shade(mesh, width, height);
-  for (let k = 0; k < softness; k++) {
-    soften(shaded, width, 4, height, 4 * width);
-    soften(shaded, height, 4 * width, width, 4);
-  }
+  const width = side(mesh.width), height = side(mesh.height);
+  let shaded = shade(mesh, width, height);
+  for (let k = 0; k < softness; k++) shaded = soften(soften(shaded, width, 4), height, 4 * width);
   const data = new Uint8ClampedArray(shaded.length);
-  for (let i = 0; i < data.length; i++) data[i] = i % 4 < 3 ? 255 * shaded[i] / (shaded[i | 3] || 1) : 255 * shaded[i];
+  shaded.forEach((x, i) => { data[i] = 255 * x / (i % 4 < 3 && shaded[i | 3] || 1); });
   return { data, width, height };
 }
 
@@ -98,23 +91,23 @@ function checksum(bytes) {
 
 // A PNG that compresses nothing: so small a picture is not worth the code.
 function toPng({ data, width, height }) {
-  const isOpaque = data.every((x, i) => i % 4 < 3 || x === 255), rows = [];
+  const rows = [];
   data.forEach((x, i) => {
     if (i % (4 * width) === 0) rows.push(0);
-    if (i % 4 < 3 || !isOpaque) rows.push(x);
+    rows.push(x);
   });
   let a = 1, b = 0;
   for (const byte of rows) b = (b + (a = (a + byte) % 65521)) % 65521;
   const size = rows.length, png = [137, 80, 78, 71, 13, 10, 26, 10];
   const chunk = (...bytes) => png.push(...word(bytes.length - 4), ...bytes, ...checksum(bytes));
-  chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, isOpaque ? 2 : 6, 0, 0, 0);
+  chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, 6, 0, 0, 0);
   chunk(73, 68, 65, 84, 120, 1, 1, size & 255, size >> 8, ~size & 255, ~size >> 8 & 255, ...rows, ...word(b * 65536 + a));
   chunk(73, 69, 78, 68);
   return png;
 }
 
 export function toDataURL(data, options) {
-  const mesh = decode(data);
+  const mesh = read(data);
   return mesh && `data:image/png;base64,${btoa(String.fromCharCode(...toPng(toPixels(mesh, options))))}`;
 }
 
@@ -129,35 +122,18 @@ export function paint(image, options) {
 }
 
 export function watch(root = document, options) {
-  const waiting = new Set(), idle = globalThis.requestIdleCallback ?? ((body) => setTimeout(body, 1));
-  const work = (deadline) => {
-    do {
-      const [image] = waiting;
-      if (!image) return;
-      waiting.delete(image);
-      paint(image, options);
-    } while (deadline?.timeRemaining() > 4);
-    idle(work, { timeout: 100 });
-  };
-  const near = new IntersectionObserver((entries) => {
-    for (const { isIntersecting, target } of entries) {
-      if (!isIntersecting) continue;
-      near.unobserve(target);
-      if (!waiting.size) idle(work, { timeout: 100 });
-      waiting.add(target);
-    }
-  }, { rootMargin: '50%' });
-  const seen = new WeakSet();
-  const find = () => root.querySelectorAll('img[data-mesh]').forEach((image) => {
-    if (!seen.has(image)) near.observe(image);
-    seen.add(image);
-  });
+  const idle = globalThis.requestIdleCallback ?? setTimeout;
+  let isOver;
+  const near = new IntersectionObserver((entries) => entries.forEach(({ isIntersecting, target }) => {
+    if (isIntersecting) idle(() => isOver || paint(target, options), { timeout: 100 });
+  }), { rootMargin: '50%' });
+  const find = () => root.querySelectorAll('img[data-mesh]').forEach((image) => near.observe(image));
   const added = new MutationObserver(find);
   added.observe(root, { childList: true, subtree: true });
   find();
   return () => {
+    isOver = true;
     near.disconnect();
     added.disconnect();
-    waiting.clear();
   };
 }

@@ -269,7 +269,7 @@ struct Annealed {
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
-    /// them as good as whole runs where they come from 0.9 to 1.25 times the vertices, and touched with 1 / 8.
+    /// them as good as whole runs where they come from 0.9 to 1.4 times the vertices, and touched with 1 / 8.
     [[nodiscard]] Annealed from(const kit::Beginning& beginning) const {
         Annealed out = *this;
         if (beginning.work == kit::Work::whole && beginning.mesh == nullptr) return out;
@@ -302,9 +302,14 @@ struct Annealed {
                                   static_cast<double>(n), start != nullptr)
             .sum();
     }
-    /// By how many dB a whole run ends above a sketch of as many vertices, on the average.
-    [[nodiscard]] double gain_over_sketch() const noexcept {
-        return effort <= Effort::fast ? 0 : effort == Effort::normal ? 0.75 : 1.1;
+    /// What drafts and sketches foretell. Drafts at normal: 0.28 to 0.74 of 32 photographs and PSNRs of 28 to 40 dB.
+    [[nodiscard]] kit::Trials trials() const noexcept {
+        switch (effort) {
+            case Effort::draft: return {1, 0};
+            case Effort::fast: return {0.6, 0};
+            case Effort::normal: return {0.5, 0};
+            default: return {0.45, 0.77};
+        }
     }
     /// Replaces `mesh` by a mesh of n vertices of its image, 4 <= n <= max(4, pixels). Errc::cancelled: it is valid, with any
     /// number of vertices. Defined in methods/annealed/annealed.hpp.
