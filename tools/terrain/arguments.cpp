@@ -358,6 +358,10 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
     tool::add_plan_options(app, out);
     add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)",
              job_formats, [&](Format format) { out.dem.format = format; });
+    add(app, "--levels", "N",
+        "levels of detail, 1 to 16 (default: 1): tiles of each next one have twice the side, every other sample\n"
+        "and twice the bound",
+        [&](const std::string& text) { return tool::parse_in_range(text, 1, 16, out.levels); });
     tool::add_quiet(app, out.quiet, version_words);
     app.option_defaults()->group("How the input is read");
     add_reading_options(app, out.dem);

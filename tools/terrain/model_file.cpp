@@ -37,7 +37,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
                 return hmesh::write_solid_stl(mesh, frame.z_offset + frame.z_scale * *arguments.base, sink, options);
             return hmesh::write_height_stl(mesh, sink, options);
         case Format::quantized_mesh: {
-            const Extent extent = extent_of(frame, dem, tile);
+            const Extent extent = extent_of(frame, dem.width, dem.height, tile);
             hmesh::QuantizedMeshOptions globe;
             globe.west = extent[0];
             globe.south = extent[1];
