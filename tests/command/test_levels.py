@@ -1,5 +1,6 @@
 """hmesh-terrain job --levels: tiles of several levels of detail, each of them one surface within its bound."""
 import json
+import struct
 from pathlib import Path
 
 import pytest
@@ -32,6 +33,38 @@ def whole(names):
         numbers = [known.setdefault(key, len(known)) for key in zip(tile.vertices, tile.normals)]
         faces += [tuple(numbers[v] for v in face) for face in tile.faces]
     return Model([position for position, _ in known], faces)
+
+
+def as_float(number):
+    return struct.unpack("f", struct.pack("f", number))[0]
+
+
+def hanging(name):
+    """The second primitive of a tile: positions, z up, and faces."""
+    file = Path(name).read_bytes()
+    size = struct.unpack_from("<I", file, 12)[0]
+    head, buffer = json.loads(file[20 : 20 + size]), file[28 + size :]
+    surface, walls = head["meshes"][0]["primitives"]
+
+    def numbers(accessor):
+        accessor = head["accessors"][accessor]
+        view = head["bufferViews"][accessor["bufferView"]]
+        form = {5126: "f", 5125: "I", 5123: "H"}[accessor["componentType"]]
+        count = accessor["count"] * {"VEC3": 3, "VEC2": 2, "SCALAR": 1}[accessor["type"]]
+        return struct.unpack_from(f"<{count}{form}", buffer, view["byteOffset"] if "byteOffset" in view else 0)
+
+    flat, corners = numbers(walls["attributes"]["POSITION"]), numbers(walls["indices"])
+    bounds = head["accessors"][walls["attributes"]["POSITION"]]
+    assert [[min(flat[k::3]), max(flat[k::3])] for k in range(3)] == [[as_float(bounds[end][k]) for end in ("min", "max")] for k in range(3)]
+    return [(x, -z, y) for x, y, z in zip(flat[::3], flat[1::3], flat[2::3])], list(zip(corners[::3], corners[1::3], corners[2::3]))
+
+
+def height_at(line, at):
+    """Of a polyline of (place, height) from a lower place to a higher one."""
+    for (a, low), (b, high) in zip(line, line[1:]):
+        if a <= at <= b:
+            return low + (high - low) * (at - a) / (b - a)
+    return None
 
 
 def thinned(heights, step):
@@ -146,6 +179,55 @@ def test_zooms_of_cesiums_grid_have_the_tiles_that_lie_within_the_input(terrain,
         samples = [line[column : column + cells * step + 1 : step] for line in heights[row : row + cells * step + 1 : step]]
         place = lambda u, v, z: (u * cells, (1 - v) * cells, z)
         assert judge(samples, read_model(f"job/tiles/{name}"), place, slack=0.001) <= BOUND * step
+
+
+@pytest.mark.parametrize("effort", ["fast", "best"])
+def test_skirts_hang_from_the_sides_as_deep_as_any_crack_to_another_level_is(terrain, effort):
+    heights = ground(WIDTH, HEIGHT)
+    terrain_options = f"--max-error {BOUND} --tiles {CELLS} --levels {LEVELS} --effort {effort} -q"
+    Path("dem.asc").write_bytes(dems.asc(heights))
+    for folder, options in [("plain", ""), ("job", "--skirts")]:
+        terrain.done(f"job plan dem.asc -o {folder} {terrain_options} {options}")
+        finish(terrain, folder)
+        terrain.done(f"job join {folder} -o {folder}.ply -q")
+    assert read("plain.ply") == read("job.ply")
+    index, lines = json.loads(read("job/tiles/index.json")), {}
+    for tile in index["tiles"]:
+        name = tile["file"]
+        model, plain = read_model(f"job/tiles/{name}"), read_model(f"plain/tiles/{name}")
+        assert (model.vertices, model.faces, model.normals) == (plain.vertices, plain.faces, plain.normals)
+        walls, faces = hanging(f"job/tiles/{name}")
+        step = 2 ** tile["level"]
+        west, north = tile["column"] * step, HEIGHT - 1 - tile["row"] * step
+        sides = {(0, west), (0, west + (tile["width"] - 1) * step), (1, north), (1, north - (tile["height"] - 1) * step)}
+        on = {side: sorted((v[1 - side[0]], v[2]) for v in model.vertices if v[side[0]] == side[1]) for side in sides}
+        below = {}
+        for x, y, z in walls:
+            below.setdefault((x, y), []).append(z)
+        assert set(below) == {(v[0], v[1]) for v in model.vertices if (0, v[0]) in sides or (1, v[1]) in sides}
+        assert all(max(zs) - min(zs) == pytest.approx(tile["skirt"], abs=1e-3) for zs in below.values())
+        edges = {tuple(sorted((walls[a][:2], walls[b][:2]))) for face in faces for a, b in zip(face, face[1:] + face[:1]) if walls[a][:2] != walls[b][:2]}
+        assert len(faces) == 2 * len(edges) and len(edges) == sum(len(line) - 1 for line in on.values())
+        for a, b, c in faces:  # outward: away from the middle of the tile
+            (ax, ay, az), (bx, by, bz), (cx, cy, cz) = walls[a], walls[b], walls[c]
+            normal = ((by - ay) * (cz - az) - (bz - az) * (cy - ay), (bz - az) * (cx - ax) - (bx - ax) * (cz - az))
+            middle = (west + (tile["width"] - 1) * step / 2, north - (tile["height"] - 1) * step / 2)
+            assert normal[0] * (ax - middle[0]) + normal[1] * (ay - middle[1]) > 0
+        for side, line in on.items():
+            lines.setdefault(side, []).append((tile, line))
+    widest = compared = 0
+    for beside in lines.values():
+        for one, line in beside:
+            for other, there in beside:
+                if one["level"] >= other["level"]:
+                    continue
+                for at in {at for at, _ in line + there}:
+                    a, b = height_at(line, at), height_at(there, at)
+                    if a is not None and b is not None:
+                        compared += 1
+                        widest = max(widest, abs(a - b))
+                        assert abs(a - b) <= min(one["skirt"], other["skirt"])
+    assert compared > 1000 and widest > 2 * BOUND
 
 
 def test_more_levels_than_there_are_samples_or_tiles_for_are_refused(terrain):

@@ -27,6 +27,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
     options.first_column = tile.column;
     options.first_row = tile.row;
     options.has_normals = arguments.has_normals;
+    options.skirt = frame.z_scale * tile.skirt;
     switch (arguments.format) {
         case Format::none: break;
         case Format::glb: return hmesh::write_height_glb(mesh, samples, sink, options);

@@ -1,6 +1,8 @@
 #include "terrain/job/levels.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 
 #include "terrain/written/measure.hpp"
@@ -72,6 +74,20 @@ Frame frame_of(const Frame& all, int width, int height, const Level& level) {
     return frame;
 }
 
+// How far samples are from the straight lines between every so manyth of them; those beside which there is no data are left out.
+double off_lines(const std::vector<float>& samples, int step) {
+    double most = 0;
+    const auto at = [&](std::size_t k) { return static_cast<double>(samples[k]); };
+    const auto stride = static_cast<std::size_t>(step);
+    for (std::size_t first = 0; first + stride < samples.size(); first += stride)
+        for (std::size_t k = 1; k < stride; ++k) {
+            const double share = static_cast<double>(k) / step;
+            const double off = std::fabs((1 - share) * at(first) + share * at(first + stride) - at(first + k));
+            if (off > most) most = off;  // not where one is NaN
+        }
+    return most;
+}
+
 }  // namespace
 
 std::vector<Level> find_levels(const Arguments& arguments, const Frame& frame, int width, int height,
@@ -117,6 +133,36 @@ std::string measure_all(const Level& level, const Tile& tile, Surface surface, D
         if (found.samples > 0) max_error = std::max(max_error, found.max_error + rounding);
         for (double& y : surface.y) y -= count;
     }
+    return {};
+}
+
+std::string find_skirt(const std::vector<Level>& levels, int level, const Tile& tile, Dem& dem, double& depth) {
+    const Level& own = levels[static_cast<std::size_t>(level)];
+    const int coarsest = levels.back().step, cells = own.arguments.tile;
+    const auto bound = [](const Level& of) {
+        return of.arguments.max_error ? *of.arguments.max_error : of.arguments.border_tolerance.value_or(0);
+    };
+    // Of the input: the corners of the tile.
+    const std::array<int, 2> first = {tile.column * own.step, tile.row * own.step},
+                             last = {first[0] + (tile.width - 1) * own.step, first[1] + (tile.height - 1) * own.step};
+    depth = 0;
+    for (const std::size_t along : {0, 1})
+        for (const int line : {first[1 - along], last[1 - along]}) {
+            // From a sample of the coarsest level to another one, as far as there are samples.
+            const int begin = first[along] / coarsest * coarsest;
+            const int end = std::min(up(last[along], coarsest) * coarsest, (along == 0 ? dem.width : dem.height) - 1);
+            std::vector<float> samples(static_cast<std::size_t>(end - begin + 1));
+            double rounding = 0;
+            if (std::string why = along == 0 ? dem.read(begin, line, end - begin + 1, 1, samples.data(), rounding)
+                                             : dem.read(line, begin, 1, end - begin + 1, samples.data(), rounding);
+                !why.empty())
+                return why;
+            const double here = bound(own) + off_lines(samples, own.step);
+            for (const Level& other : levels)
+                if (other.step != own.step && line % (cells * other.step) == 0)
+                    depth = std::max(depth, here + bound(other) + off_lines(samples, other.step));
+        }
+    depth *= 1.001;  // floats round
     return {};
 }
 

@@ -45,6 +45,11 @@ struct GlobeGrid {
 // tile has. Returns "" or what is wrong, as Dem::read() does.
 [[nodiscard]] std::string measure_all(const Level& level, const Tile& tile, Surface surface, Dem& dem, double& max_error);
 
+// How deep walls must hang from the sides of a tile so that no crack to a tile of any other level beside it is seen, in heights
+// of the input. Along a row of samples a level is off them by its bound and by what lies between its own samples; a crack is no
+// wider than what two levels are off. Of levels of one origin. Returns "" or what is wrong, as Dem::read() does.
+[[nodiscard]] std::string find_skirt(const std::vector<Level>& levels, int level, const Tile& tile, Dem& dem, double& depth);
+
 }  // namespace terrain
 
 #endif  // HMESH_TERRAIN_JOB_LEVELS_HPP

@@ -129,6 +129,7 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     body["height"] = plan.height;
     body["tiles"] = plan.arguments.tile;
     body["levels"] = plan.levels.size();
+    body["skirts"] = job.has_skirts;
     body["format"] = plan.arguments.format == Format::glb ? "glb" : "terrain";
     body["frame"] = frame_value(plan.frame);
     body["globe"] = nullptr;
@@ -156,6 +157,7 @@ std::string read_plan(const std::string& folder, const std::string& input, Plan&
         !why.empty())
         return "'" + plan.folder.path("plan.json") + "' has options that mean nothing: " + why;
     cut(plan, body["levels"].get<int>());
+    plan.has_skirts = body["skirts"].get<bool>();
     return {};
 }
 

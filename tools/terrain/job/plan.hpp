@@ -35,6 +35,7 @@ struct Plan {
     Arguments arguments;             // of all tiles, the input where it is on this machine
     Frame frame;                     // of all tiles
     std::vector<Level> levels;       // the finest first
+    bool has_skirts = false;         // of tiles
     std::optional<GlobeGrid> globe;  // of the finest level
 
     [[nodiscard]] const Level& level(int number) const { return levels[static_cast<std::size_t>(number)]; }

@@ -16,19 +16,21 @@ using Kind = TileEnd::Kind;
 
 constexpr char index_file[] = "tiles/index.json";
 
-Json value_of(const TileEnd& end, double input_error, const std::array<double, 6>& box) {
+Json value_of(const TileFacts& tile) {
+    const TileEnd& end = tile.end;
     return {{"is", end.kind == Kind::empty ? "empty" : "made"},
             {"vertices", end.vertices},
             {"triangles", end.triangles},
             {"samples", end.samples},
             {"no_data", end.no_data},
             {"max_error", end.max_error},
-            {"input_error", input_error},
+            {"input_error", tile.input_error},
+            {"skirt", tile.skirt},
             {"sum_of_squares", end.sum_of_squares},
             {"measured", end.measured},
             {"asked", end.asked},
             {"is_tighter", end.is_tighter},
-            {"box", box}};
+            {"box", tile.box}};
 }
 
 TileFacts facts_of(const Json& facts) {
@@ -42,6 +44,7 @@ TileFacts facts_of(const Json& facts) {
     tile.end.measured = count("measured");
     tile.end.max_error = facts["max_error"].get<double>();
     tile.input_error = facts["input_error"].get<double>();
+    tile.skirt = facts["skirt"].get<double>();
     tile.end.sum_of_squares = facts["sum_of_squares"].get<double>();
     tile.end.asked = facts["asked"].get<double>();
     tile.end.is_tighter = facts["is_tighter"].get<bool>();
@@ -51,11 +54,14 @@ TileFacts facts_of(const Json& facts) {
 
 std::array<double, 6> box_of(const Model& model) {
     std::array<double, 6> box{};
-    for (std::size_t v = 0; v < model.vertices.size(); ++v)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double at = model.vertices[v][k];
-            box[k] = v == 0 ? at : std::min(box[k], at);
-            box[k + 3] = v == 0 ? at : std::max(box[k + 3], at);
+    bool is_first = true;
+    for (const auto* const vertices : {&model.vertices, &model.skirt})
+        for (const std::array<double, 3>& vertex : *vertices) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                box[k] = is_first ? vertex[k] : std::min(box[k], vertex[k]);
+                box[k + 3] = is_first ? vertex[k] : std::max(box[k + 3], vertex[k]);
+            }
+            is_first = false;
         }
     return box;
 }
@@ -119,32 +125,38 @@ std::string Worker::make_tile(const TaskName& task, const hmesh::ParallelFor& pa
                               Json& facts) {
     if (std::string why = open(task.level); !why.empty()) return why;
     const Level& level = plan_.level(task.level);
-    const Tile tile = tile_of(plan_, task);
-    TileEnd end;
+    const auto unread = [&](const std::string& why) {
+        return why.empty() ? "" : "cannot read '" + plan_.arguments.input + "': " + why;
+    };
+    Tile tile = tile_of(plan_, task);
+    if (plan_.has_skirts)
+        if (std::string why = unread(find_skirt(plan_.levels, task.level, tile, *dem_, tile.skirt)); !why.empty()) return why;
+    TileFacts found;
+    found.skirt = tile.skirt;
     std::vector<unsigned char> bytes;
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !tool::interrupted; };
-    if (std::string why = sources_[static_cast<std::size_t>(task.level)].maker->make(tile, progress, parallel_for, end, bytes);
-        !why.empty())
-        return why;
-    Model model;
-    double input_error = end.max_error;
-    if (end.kind == Kind::made) {
+    TileMaker& maker = *sources_[static_cast<std::size_t>(task.level)].maker;
+    if (std::string why = maker.make(tile, progress, parallel_for, found.end, bytes); !why.empty()) return why;
+    found.input_error = found.end.max_error;
+    if (found.end.kind == Kind::made) {
         if (task.level > 0) {
             Surface surface;
             if (std::string why = read_back(level.arguments.format, {bytes.data(), bytes.size()}, level.frame, tile, surface);
                 !why.empty())
                 return why;
-            if (const std::string why = measure_all(level, tile, std::move(surface), *dem_, input_error); !why.empty())
-                return "cannot read '" + plan_.arguments.input + "': " + why;
+            if (std::string why = unread(measure_all(level, tile, std::move(surface), *dem_, found.input_error)); !why.empty())
+                return why;
         }
+        Model model;
         if (std::string why = parse_tile(plan_.arguments.format, bytes, model); !why.empty()) return why;
+        found.box = box_of(model);
         made.emplace_back();
         if (std::string why =
                 job::write_made(plan_.folder, "tiles/" + tile_file(plan_, task), bytes.data(), bytes.size(), made.back());
             !why.empty())
             return why;
     }
-    facts = value_of(end, input_error, box_of(model));
+    facts = value_of(found);
     return {};
 }
 
@@ -186,7 +198,10 @@ std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
             const TileFacts& facts_of_tile = placed[first + k].facts;
             Json value = {{"level", level}};
             value.update(report["tiles"][k]);
-            if (facts_of_tile.end.kind == Kind::made) value["input_error"] = facts_of_tile.input_error;
+            if (facts_of_tile.end.kind == Kind::made) {
+                value["input_error"] = facts_of_tile.input_error;
+                if (plan_.has_skirts) value["skirt"] = facts_of_tile.skirt;
+            }
             value["bytes"] = facts_of_tile.file.bytes;
             value["sha256"] = facts_of_tile.file.sha256;
             values.push_back(std::move(value));

@@ -49,6 +49,7 @@ class Worker {
 struct TileFacts {
     TileEnd end;
     double input_error = 0;       // the most by which it is off a sample of the input; max_error is that of its level's samples
+    double skirt = 0;             // how deep it hangs, in heights of the input
     job::Made file;               // of a tile that is made
     std::array<double, 6> box{};  // of its vertices: least, then greatest x, y and z of the file
 };
