@@ -185,6 +185,10 @@ inline Status write_height_glb(const MeshView& mesh, const HeightSamples& sample
     if (mesh.vertex_count == 0) return detail::write_empty_glb(sink);
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, true));
     if (options.has_normals) relief.find_normals();
+    for (std::size_t v = 0; v < mesh.vertex_count && options.skirt > 0; ++v)
+        if (relief.height(v) - options.skirt < -deepest)
+            return {Errc::not_finite, "the skirt of the model reaches below what a float holds, at vertex",
+                    static_cast<std::int64_t>(v), 0};
     const detail::Skirt skirt = options.skirt > 0 ? detail::Skirt(mesh) : detail::Skirt();
     const auto hung = [&](std::size_t v) {
         const std::size_t above = skirt.above(v);
@@ -218,11 +222,7 @@ inline Status write_height_glb(const MeshView& mesh, const HeightSamples& sample
         mesh.vertex_count, [&](std::size_t v) { return relief.position(v); }, file.arrays[0]);
     if (skirt.face_count() > 0) {
         add(skirt.vertex_count(), skirt.face_count());
-        detail::GlbArray& positions = file.arrays[surface.end];
-        detail::bound_heights(skirt.vertex_count(), hung, positions);
-        for (const double low : positions.low)
-            if (!kit::is_finite(low))
-                return {Errc::not_finite, "the skirt of the model reaches where no float is", options.skirt, deepest};
+        detail::bound_heights(skirt.vertex_count(), hung, file.arrays[surface.end]);
     }
     detail::GlbMaterial material;
     material.is_lit = options.has_normals;
