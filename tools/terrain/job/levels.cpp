@@ -21,7 +21,8 @@ class ThinnedDem : public Dem {
         auto& t = place.transform;
         t[0] += t[1] * column_ + t[2] * row_;
         t[3] += t[4] * column_ + t[5] * row_;
-        for (const std::size_t k : {1, 2, 4, 5}) t[k] *= step_;
+        for (std::size_t k = 0; k < t.size(); ++k)
+            if (k % 3 != 0) t[k] *= step_;
     }
 
     [[nodiscard]] std::string read(int x, int y, int columns, int rows, float* heights, double& rounding) override {
@@ -146,7 +147,7 @@ std::string find_skirt(const std::vector<Level>& levels, int level, const Tile& 
     const std::array<int, 2> first = {tile.column * own.step, tile.row * own.step},
                              last = {first[0] + (tile.width - 1) * own.step, first[1] + (tile.height - 1) * own.step};
     depth = 0;
-    for (const std::size_t along : {0, 1})
+    for (std::size_t along = 0; along < 2; ++along)
         for (const int line : {first[1 - along], last[1 - along]}) {
             // From a sample of the coarsest level to another one, as far as there are samples.
             const int begin = first[along] / coarsest * coarsest;
