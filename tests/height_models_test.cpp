@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -183,6 +184,37 @@ TEST_CASE("a draped image is named: as a URI, as MeshLab's comment, by the mater
     CHECK(hmesh::write_height_ply(land.mesh.view(), {}, hmesh_test::VectorSink{&bytes}, options).code ==
           hmesh::Errc::invalid_argument);
     CHECK(bytes.empty());
+}
+
+TEST_CASE("a skirt is a second primitive of a .glb, and leaves the first and other files as they were") {
+    const Terrain land = terrain(20, 12, hmesh::Samples::points, hills);
+    hmesh::HeightOptions plain = units(), options = plain;
+    options.skirt = 2.5;
+    const Bytes before = glb(land.mesh.view(), land.samples.view(), plain),
+                bytes = glb(land.mesh.view(), land.samples.view(), options);
+    const std::string json = hmesh_test::json_of(bytes);
+    const std::size_t arrays = hmesh_test::json_of(before).size();
+    CHECK(std::equal(before.begin() + 28 + static_cast<std::ptrdiff_t>(arrays), before.end(),
+                     bytes.begin() + 28 + static_cast<std::ptrdiff_t>(json.size())));
+    const hmesh::MeshView mesh = land.mesh.view();
+    double in_sides = 0;
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const float x = mesh.positions[2 * v], y = mesh.positions[2 * v + 1];
+        in_sides += x <= 0 || y <= 0 || x >= static_cast<float>(mesh.right()) || y >= static_cast<float>(mesh.bottom()) ? 1 : 0;
+    }
+    REQUIRE(in_sides >= 4);
+    CHECK(hmesh_test::numbers_of(json, "count", 4, 1)[0] == 2 * in_sides);  // positions, normals and places
+    CHECK(hmesh_test::numbers_of(json, "count", 7, 1)[0] == 6 * in_sides);  // corners: a ring of as many walls as vertices
+    CHECK(hmesh_test::numbers_of(json, "min", 1, 3)[1] >= hmesh_test::numbers_of(json, "min", 0, 3)[1] - 2.5 - 1e-4);
+    CHECK(hmesh_test::numbers_of(json, "max", 1, 3)[1] <= hmesh_test::numbers_of(json, "max", 0, 3)[1]);
+    CHECK(ply(land.mesh.view(), land.samples.view(), options) == ply(land.mesh.view(), land.samples.view(), plain));
+    for (const double bad : {-1.0, std::numeric_limits<double>::quiet_NaN(), 1e39, 3.4e38}) {
+        options.skirt = bad;
+        options.z.offset = -3e38;
+        std::vector<unsigned char> none;
+        CHECK(!hmesh::write_height_glb(land.mesh.view(), {}, hmesh_test::VectorSink{&none}, options));
+        CHECK(none.empty());
+    }
 }
 
 TEST_CASE("tiles of a map have the vertices of their common side bit for bit") {

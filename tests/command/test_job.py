@@ -447,6 +447,9 @@ WRONG = rows("""
     no folder is given                              | job plan dem.pgm --max-error 1
     how fine is not said                            | job plan dem.pgm -o x
     --free-borders is given for a job               | job plan dem.pgm -o x --max-error 1 --free-borders
+    --skirts is given without --levels              | job plan dem.pgm -o x --max-error 1 --skirts
+    Cesium hangs skirts itself                      | job plan dem.pgm -o x --max-error 1 --skirts --levels 2 --format terrain
+    --levels '0' must be                            | job plan dem.pgm -o x --max-error 1 --levels 0
     meet with --border-tolerance alone              | job plan dem.pgm -o x --vertices 9
     --format 'ply' is not one of: glb, terrain      | job plan dem.pgm -o x --max-error 1 --format ply
     --extent is given without                       | job plan dem.pgm -o x --max-error 1 --extent 1,2,3,4

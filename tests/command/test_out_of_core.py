@@ -6,6 +6,7 @@ import pytest
 from PIL import Image
 
 from conftest import is_whole, read
+from jobs import finish, tiles
 
 
 def draw(name, width=150, height=90):
@@ -111,6 +112,86 @@ def test_tiff_files_by_tiles(hmesh, planes):
     assert not Path("a.ply").exists()
 
 
+def vrt(name, parts, kind="Byte", channels=3, width=150, height=90, more=""):
+    """A mosaic: files, each with the place of its first pixel and its size."""
+    def source(k, part):
+        file, x, y, w, h = part
+        return (f'<SimpleSource><SourceFilename relativeToVRT="1">{file}</SourceFilename><SourceBand>{k}</SourceBand>'
+                f'<SrcRect xOff="0" yOff="0" xSize="{w}" ySize="{h}"/><DstRect xOff="{x}" yOff="{y}" xSize="{w}" ySize="{h}"/></SimpleSource>')
+
+    bands = "".join(f'<VRTRasterBand dataType="{kind}" band="{k}">{more}{"".join(source(k, part) for part in parts)}</VRTRasterBand>'
+                    for k in range(1, channels + 1))
+    Path(name).write_text(f'<VRTDataset rasterXSize="{width}" rasterYSize="{height}">{bands}</VRTDataset>')
+
+
+def cut(name):
+    """The image as four files."""
+    image = Image.open(name)
+    boxes = [(0, 0, 70, 50), (70, 0, 80, 50), (0, 50, 70, 40), (70, 50, 80, 40)]
+    parts = []
+    for k, (x, y, w, h) in enumerate(boxes):
+        image.crop((x, y, x + w, y + h)).save(f"part{k}.ppm")
+        parts.append((f"part{k}.ppm", x, y, w, h))
+    return parts
+
+
+def needs_gdal(hmesh):
+    if "by rectangles: GDAL" not in hmesh.done("--version"):
+        pytest.skip("built without GDAL")
+
+
+@pytest.mark.parametrize("kind", ["mosaic", "16 bits", "floats", "grey with alpha", "JPEG 2000"])
+def test_what_gdal_reads(hmesh, kind):
+    needs_gdal(hmesh)
+    name, whole = "image.vrt", "image.ppm"
+    draw(whole)
+    if kind == "mosaic":
+        vrt(name, cut(whole))
+    elif kind == "JPEG 2000":
+        name = "image.jp2"
+        Image.open(whole).save(name, irreversible=False)
+    else:
+        if not has_tiff(hmesh):
+            pytest.skip("built without libtiff")
+        whole = "image.tif"
+        mode, numbers, channels = {"16 bits": ("I;16", "UInt16", 1), "floats": ("F", "Float32", 1), "grey with alpha": ("LA", "Byte", 2)}[kind]
+        save_tiff(whole, mode)
+        vrt(name, [(whole, 0, 0, 150, 90)], numbers, channels)
+    options = "--vertices 300 --tile 64 --effort draft"
+    hmesh.done(f"{whole} {options} --out-of-core -o whole.ply")
+    hmesh.done(f"{name} {options} --out-of-core -o read.ply --threads 2")
+    assert read("read.ply") == read("whole.ply")
+
+
+def test_what_gdal_reads_and_is_no_image_is_refused(hmesh):
+    needs_gdal(hmesh)
+    draw("image.ppm")
+    parts = cut("image.ppm")
+    vrt("five.vrt", parts, channels=5)
+    vrt("signed.vrt", parts, "Int16")
+    vrt("palette.vrt", parts, channels=1, more="<ColorInterp>Palette</ColorInterp><ColorTable><Entry c1='1' c2='2' c3='3' c4='255'/></ColorTable>")
+    vrt("wide.vrt", parts, width=70000)
+    vrt("broken.vrt", parts)
+    Path("part2.ppm").write_bytes(read("part2.ppm")[:100])
+    Path("bad.vrt").write_text("<VRTDataset rasterXSize='9'")
+    for name, sentence in {"five": "it has 5 bands, and images have 1 to 4", "signed": "its samples are Int16", "bad": "GDAL says: ",
+                           "palette": "numbers of a palette", "wide": "the image is too wide (70000, limit 65536)",
+                           "broken": "the image could not be read (columns "}.items():
+        hmesh.fails(sentence, f"{name}.vrt --vertices 300 --effort draft --out-of-core -o a.ply")
+    assert not Path("a.ply").exists()
+
+
+def test_a_job_of_a_mosaic_is_that_of_the_image(hmesh):
+    needs_gdal(hmesh)
+    draw("image.ppm")
+    vrt("image.vrt", cut("image.ppm"))
+    for name, folder in [("image.ppm", "whole"), ("image.vrt", "job")]:
+        hmesh.done(f"job plan {name} -o {folder} --vertices 900 --tile 64 --effort draft -q")
+        finish(hmesh, folder)
+    names = {name for name in tiles("whole/tiles") if name != "index.json"}
+    assert len(names) == 6 and all(tiles("job/tiles")[name] == tiles("whole/tiles")[name] for name in names)
+
+
 def test_weights_and_points_are_known(hmesh):
     draw("image.ppm")
     Image.linear_gradient("L").resize((150, 90)).save("weights.png")
@@ -121,8 +202,8 @@ def test_weights_and_points_are_known(hmesh):
 
 
 def test_what_cannot_be_read_by_rectangles_is_refused(hmesh):
-    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, but PNG, and others are not read by rectangles", "picture.png --out-of-core -o a.ply")
-    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, and others", "text.png --out-of-core -o a.ply")
+    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, but PNG, which is not read by rectangles", "picture.png --out-of-core -o a.ply")
+    hmesh.fails("it is no PGM, PPM, PFM or TIFF file, and ", "text.png --out-of-core -o a.ply")
     hmesh.fails("No such file", "none.pgm --out-of-core -o a.ply")
     hmesh.fails("it cannot be read by rectangles, as a file can", "- --out-of-core -o a.ply")
     hmesh.fails("the file ends before its last pixel", "short.ppm --out-of-core -o a.ply")

@@ -358,6 +358,14 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
     tool::add_plan_options(app, out);
     add_name(app, "--format", "of tiles: glb, which job join makes one file of, or terrain for Cesium (default: glb)",
              job_formats, [&](Format format) { out.dem.format = format; });
+    add(app, "--levels", "N",
+        "levels of detail, 1 to 16 (default: 1): tiles of each next one have twice the side, every other sample\n"
+        "and twice the bound",
+        [&](const std::string& text) { return tool::parse_in_range(text, 1, 16, out.levels); });
+    app.add_flag_callback(
+        "--skirts", [&] { out.has_skirts = true; },
+        "with --levels, hang walls from the sides of .glb tiles, so deep that no crack to a tile of another\n"
+        "level is seen");
     tool::add_quiet(app, out.quiet, version_words);
     app.option_defaults()->group("How the input is read");
     add_reading_options(app, out.dem);
@@ -384,6 +392,9 @@ std::string find_conflict(const CLI::App& app, JobArguments& job) {
     if ((dem.vertices || dem.percent) && !dem.border_tolerance)
         return "tiles with a number of vertices meet with --border-tolerance alone, which is not given";
     if (dem.format == Format::none) dem.format = Format::glb;
+    if (job.has_skirts && job.levels == 1) return "--skirts is given without --levels: tiles of one level meet";
+    if (job.has_skirts && dem.format == Format::quantized_mesh)
+        return "--skirts is given for .terrain, of which Cesium hangs skirts itself";
     dem.output = job.folder + (dem.format == Format::glb ? "/tiles.glb" : "/tiles.terrain");
     return find_conflict(app, dem);
 }

@@ -77,6 +77,8 @@ struct CommandLine {
 struct JobArguments : tool::JobCall {
     Arguments dem;                   // of plan: of all tiles
     std::vector<std::string> words;  // of plan: the options that say what is made, for parse()
+    int levels = 1;                  // of plan: of detail
+    bool has_skirts = false;         // of plan: of tiles
     bool takes_open_seams = false;   // of join
 };
 

@@ -49,11 +49,11 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
     return {};
 }
 
-Extent extent_of(const Frame& frame, const Dem& dem, const Tile& tile) {
+Extent extent_of(const Frame& frame, int width, int height, const Tile& tile) {
     const Extent& all = *frame.extent;
     // Whole where they are whole: neighbours get the same degrees, as these follow from the sample alone.
     const auto between = [](double a, double b, int k, int n) { return k == 0 ? a : k == n ? b : a + (b - a) * k / n; };
-    const int columns = dem.width - 1, rows = dem.height - 1;
+    const int columns = width - 1, rows = height - 1;
     return {between(all[0], all[2], tile.column, columns), between(all[3], all[1], tile.row + tile.height - 1, rows),
             between(all[0], all[2], tile.column + tile.width - 1, columns), between(all[3], all[1], tile.row, rows)};
 }

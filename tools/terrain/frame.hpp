@@ -26,8 +26,8 @@ struct Frame {
 // Returns "" or what is wrong, a sentence.
 [[nodiscard]] std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame);
 
-// The degrees of a tile's outermost samples.
-[[nodiscard]] Extent extent_of(const Frame& frame, const Dem& dem, const Tile& tile);
+// The degrees of the outermost samples of a tile, of a model of so many samples.
+[[nodiscard]] Extent extent_of(const Frame& frame, int width, int height, const Tile& tile);
 
 }  // namespace terrain
 

@@ -27,6 +27,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
     options.first_column = tile.column;
     options.first_row = tile.row;
     options.has_normals = arguments.has_normals;
+    options.skirt = frame.z_scale * tile.skirt;
     switch (arguments.format) {
         case Format::none: break;
         case Format::glb: return hmesh::write_height_glb(mesh, samples, sink, options);
@@ -37,7 +38,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
                 return hmesh::write_solid_stl(mesh, frame.z_offset + frame.z_scale * *arguments.base, sink, options);
             return hmesh::write_height_stl(mesh, sink, options);
         case Format::quantized_mesh: {
-            const Extent extent = extent_of(frame, dem, tile);
+            const Extent extent = extent_of(frame, dem.width, dem.height, tile);
             hmesh::QuantizedMeshOptions globe;
             globe.west = extent[0];
             globe.south = extent[1];

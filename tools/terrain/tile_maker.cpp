@@ -88,6 +88,11 @@ std::string TileMaker::prepare() {
     return find_range();
 }
 
+std::string TileMaker::prepare(const Frame& known) {
+    frame = known;
+    return find_range();
+}
+
 // The heights of the whole file, for tiles that are to say them alike.
 std::string TileMaker::find_range() {
     if (arguments_.format != Format::quantized_mesh || (arguments_.tile == 0 && !arguments_.heights)) return {};

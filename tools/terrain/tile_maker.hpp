@@ -30,6 +30,8 @@ class TileMaker {
     // What all tiles have in common: the frame and, of quantized-mesh, the heights that all of them are within, for which the
     // file is read unless the arguments say them. Returns "" or what is wrong, a sentence.
     [[nodiscard]] std::string prepare();
+    // The same in a frame that is known.
+    [[nodiscard]] std::string prepare(const Frame& known);
 
     // The bytes of the tile's file, none where it has no data; `end` says which, and all else but the seconds. Returns "" or what
     // is wrong, a sentence. May be called from several threads at once.

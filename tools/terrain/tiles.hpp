@@ -18,6 +18,7 @@ struct Tile {
     int column = 0, row = 0;    // of its north-western sample
     int width = 0, height = 0;  // samples
     std::string file;
+    double skirt = 0;  // how deep walls hang from its sides in .glb, in the file's heights
 };
 
 // Of so many samples, tiles of so many cells a side: the last one is what is left.

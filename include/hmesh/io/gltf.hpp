@@ -181,11 +181,15 @@ struct GlbMesh {
     }
 };
 
-/// Appends the array of a mesh's indices and returns its number.
-HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, const MeshView& mesh) {
+/// Appends the array of the indices of so many vertices and faces, and returns its number.
+HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, std::size_t vertices, std::size_t faces) {
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
-    return out.add({GlbContent::Kind::indices}, mesh.vertex_count > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
-                   3 * static_cast<std::uint64_t>(mesh.face_count));
+    return out.add({GlbContent::Kind::indices}, vertices > 65535 ? GlbNumber::u32 : GlbNumber::u16, 1,
+                   3 * static_cast<std::uint64_t>(faces));
+}
+/// The same of a mesh.
+HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, const MeshView& mesh) {
+    return add_indices(out, mesh.vertex_count, mesh.face_count);
 }
 
 /// Appends the arrays of a group of channels, from the channel `first` on, and names them.
@@ -304,14 +308,16 @@ inline void write_glb_shares(Writer& writer, const MeshView& mesh, const GlbCont
     }
 }
 
+/// Writes a corner.
+inline void write_glb_index(Writer& writer, std::uint32_t vertex, GlbNumber number) {
+    if (number == GlbNumber::u32) writer.u32(vertex);
+    else writer.u16(static_cast<std::uint16_t>(vertex));
+}
+
 /// Writes the faces' corners.
 inline void write_glb_indices(Writer& writer, const MeshView& mesh, GlbNumber number) {
-    for (std::size_t f = 0; f < mesh.face_count; ++f) {
-        for (const std::uint32_t v : turned(mesh.faces[f])) {
-            if (number == GlbNumber::u32) writer.u32(v);
-            else writer.u16(static_cast<std::uint16_t>(v));
-        }
-    }
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (const std::uint32_t v : turned(mesh.faces[f])) write_glb_index(writer, v, number);
 }
 
 /// Writes an array of this content.

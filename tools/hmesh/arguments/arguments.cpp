@@ -233,7 +233,8 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
     app.add_flag_callback(
         "--out-of-core", [&] { out.out_of_core = true; },
         "read the image by rectangles where they are needed, rather than into memory: PGM, PPM, PFM\n"
-        "and TIFF files up to 65536 x 65536; the mesh is the same. For .ply, .obj and .glb");
+        "and TIFF files up to 65536 x 65536, and what GDAL reads; the mesh is the same. For .ply,\n"
+        ".obj and .glb");
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
 }
@@ -661,7 +662,8 @@ constexpr char version_words[] = "print the version, and which image files are r
 void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inputs) {
     begin_job(app, "The image");
     app.footer(plan_footer);
-    add_names(app, "IMAGE", "one file; PGM, PPM, PFM and TIFF are read by rectangles, others as a whole by each process", inputs);
+    add_names(app, "IMAGE", "one file; PGM, PPM, PFM, TIFF and what GDAL reads by rectangles, others as a whole by each process",
+              inputs);
     add_plan_options(app, out);
     add_quiet(app, out.quiet, version_words);
     app.option_defaults()->group("How the mesh is made");

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "readers/readers.hpp"
+#include "readers/rectangles.hpp"
 #include "terminal/standard_streams.hpp"
 
 namespace tool {
@@ -85,7 +86,8 @@ std::string decoders() {
         return decoder.empty() ? std::string() : std::string("  ") + formats + ": " + decoder + "\n";
     };
     return line("PNG", png_decoder()) + line("JPEG", jpeg_decoder()) + line("WebP", webp_decoder()) +
-           line("TIFF", tiff_decoder()) + line("BMP, TGA, GIF", stb_decoder()) + line("PSD, PGM, PPM, PFM, HDR", "hmesh");
+           line("TIFF", tiff_decoder()) + line("BMP, TGA, GIF", stb_decoder()) + line("PSD, PGM, PPM, PFM, HDR", "hmesh") +
+           line("others, by rectangles", rectangle_decoder());
 }
 
 }  // namespace tool

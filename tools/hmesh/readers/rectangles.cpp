@@ -21,18 +21,16 @@ namespace {
 
 class PlainFile : public RectangleFile {
   public:
-    // Opens a file. Returns "" or what is wrong; `is_tiff`: whether it is another one of those that are read by rectangles.
-    [[nodiscard]] std::string open(const std::string& path, bool& is_tiff) {
+    // Opens a file. Returns "" or what is wrong; `kind`: which one it is, by its first bytes.
+    [[nodiscard]] std::string open(const std::string& path, FileKind& kind) {
         if (std::string why = file_.open(path); !why.empty()) return why;
         std::vector<unsigned char> beginning(static_cast<std::size_t>(std::min<std::uint64_t>(file_.size(), 65536)));
         if (std::string why = file_.read(0, beginning.size(), beginning.data()); !why.empty()) return why;
         const Bytes bytes{beginning.data(), beginning.size()};
-        const FileKind kind = kind_of(bytes);
-        if (is_tiff = kind == FileKind::tiff; is_tiff) return {};
+        kind = kind_of(bytes);
+        if (kind == FileKind::tiff || kind == FileKind::unknown) return {};
         if (kind != FileKind::pnm && kind != FileKind::pfm)
-            return std::string("it is no PGM, PPM, PFM or TIFF file") +
-                   (kind == FileKind::unknown ? "" : std::string(", but ") + name_of(kind)) +
-                   ", and others are not read by rectangles";
+            return std::string("it is no PGM, PPM, PFM or TIFF file, but ") + name_of(kind) + ", which is not read by rectangles";
         if (std::string why = kind == FileKind::pnm ? read_pnm_layout(bytes, layout_) : read_pfm_layout(bytes, layout_);
             !why.empty())
             return why;
@@ -80,9 +78,13 @@ class PlainFile : public RectangleFile {
 std::string open_rectangles(const std::string& path, ImageFile& image) {
     if (is_standard(path)) return "it cannot be read by rectangles, as a file can";
     auto file = std::make_shared<PlainFile>();
-    bool is_tiff = false;
-    if (std::string why = file->open(path, is_tiff); !why.empty()) return why;
-    if (is_tiff) return open_tiff_rectangles(path, image);
+    FileKind kind = FileKind::unknown;
+    if (std::string why = file->open(path, kind); !why.empty()) return why;
+    if (kind == FileKind::tiff) return open_tiff_rectangles(path, image);
+    if (kind == FileKind::unknown) {
+        const std::string why = open_gdal_rectangles(path, image);
+        return why.empty() ? "" : "it is no PGM, PPM, PFM or TIFF file, and " + why;
+    }
     image = {};
     image.width = file->layout().width;
     image.height = file->layout().height;

@@ -1,5 +1,5 @@
 // tools - image files that are read by rectangles, and never as a whole: binary PGM and PPM, and PFM, whose samples lie in the
-// file as they are, and TIFF (tiff.cpp). Any size that hmesh::ImageReader takes.
+// file as they are, TIFF (tiff.cpp), and what GDAL reads (gdal.cpp). Any size that hmesh::ImageReader takes.
 #ifndef HMESH_TOOLS_READERS_RECTANGLES_HPP
 #define HMESH_TOOLS_READERS_RECTANGLES_HPP
 
@@ -30,6 +30,10 @@ class RectangleFile {
 // that begins with the file's name.
 [[nodiscard]] std::string open_rectangles(const std::string& path, ImageFile& image);
 [[nodiscard]] std::string open_tiff_rectangles(const std::string& path, ImageFile& image);  // where it is one
+[[nodiscard]] std::string open_gdal_rectangles(const std::string& path, ImageFile& image);  // of what hmesh does not know
+
+// "GDAL 3.6.2"; empty: this build has none.
+[[nodiscard]] std::string rectangle_decoder();
 
 }  // namespace tool
 

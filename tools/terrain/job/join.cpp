@@ -40,7 +40,7 @@ class Walk {
 
     // visit() returns "" or what is wrong, a sentence, and so does this.
     [[nodiscard]] std::string all(const std::function<std::string(const Numbered& tile)>& visit) {
-        const auto [across, down] = plan_.levels[0];
+        const int across = plan_.level(0).across, down = plan_.level(0).down;
         south_.assign(static_cast<std::size_t>(across), {});
         vertices = faces = 0;
         for (int y = 0; y < down; ++y) {
@@ -61,11 +61,10 @@ class Walk {
         TileFacts facts;
         Model model;
         if (std::string why = read_tile(plan_, task, facts, model); !why.empty()) return why;
-        const Tile tile = tile_of(plan_, task);
         constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
         std::vector<std::uint32_t> numbers(model.vertices.size(), none);
         const auto take = [&](Side side, const Known& known) {
-            for (const SideVertex& vertex : vertices_of(plan_, tile, model, side)) {
+            for (const SideVertex& vertex : vertices_of(plan_, task, model, side)) {
                 const auto at = std::lower_bound(known.begin(), known.end(), vertex.key,
                                                  [](const auto& entry, const auto& key) { return entry.first < key; });
                 if (at != known.end() && at->first == vertex.key && numbers[vertex.vertex] == none)
@@ -83,7 +82,7 @@ class Walk {
         faces += model.faces.size();
         const auto give = [&](Side side, Known& known) {
             known.clear();
-            for (const SideVertex& vertex : vertices_of(plan_, tile, model, side))
+            for (const SideVertex& vertex : vertices_of(plan_, task, model, side))
                 known.emplace_back(vertex.key, numbers[vertex.vertex]);
         };
         give(Side::east, east_);

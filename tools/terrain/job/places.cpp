@@ -61,10 +61,10 @@ Json transform_value(const Plan& plan, const Georeference& place) {
     return value;
 }
 
-// The tiles of some columns and rows, as a tree.
+// The tiles of all levels as a tree: those of the coarsest level in boxes of boxes, and in each the four of the next level.
 class Tree {
   public:
-    Tree(const Plan& plan, const std::vector<PlacedTile>& tiles) : across_(plan.levels[0].across), down_(plan.levels[0].down) {
+    Tree(const Plan& plan, const std::vector<PlacedTile>& tiles) : plan_(plan), top_(static_cast<int>(plan.levels.size()) - 1) {
         for (const PlacedTile& tile : tiles) {
             if (tile.facts.end.kind != TileEnd::Kind::made) continue;
             found_[{tile.task.level, tile.task.x, tile.task.y}] = &tile;
@@ -72,16 +72,32 @@ class Tree {
     }
 
     // null: there is none.
-    [[nodiscard]] Json root(Box& box) const { return node(0, 0, across_, down_, box); }
+    [[nodiscard]] Json root(Box& box) const {
+        // Tiles that stand on a part of one, since the coarsest level ends before the others do.
+        int columns = 0, rows = 0;
+        for (int level = 0; level <= top_; ++level) {
+            const int step = 1 << (top_ - level);
+            columns = std::max(columns, (plan_.level(level).across + step - 1) / step);
+            rows = std::max(rows, (plan_.level(level).down + step - 1) / step);
+        }
+        return group(0, 0, columns, rows, box);
+    }
 
   private:
-    [[nodiscard]] Json node(int x, int y, int columns, int rows, Box& box) const {
-        if (columns == 1 && rows == 1) {
-            const auto at = found_.find({0, x, y});
-            if (at == found_.end()) return nullptr;
-            box = at->second->facts.box;
-            return {{"boundingVolume", box_value(box)}, {"geometricError", 0}, {"content", {{"uri", at->second->file}}}};
+    // Nodes, and the box around them.
+    struct Nodes {
+        void add(Json node, const Box& part) {
+            if (node.is_null()) return;
+            box = all.empty() ? part : around(box, part);
+            all.push_back(std::move(node));
         }
+        Json all = Json::array();
+        Box box{};
+    };
+
+    // Of tiles of the coarsest level.
+    [[nodiscard]] Json group(int x, int y, int columns, int rows, Box& box) const {
+        if (columns == 1 && rows == 1) return tile(top_, x, y, box);
         // Cut where halves are powers of two.
         const auto half = [](int count) {
             int part = 1;
@@ -89,24 +105,51 @@ class Tree {
             return std::min(part, count);
         };
         const int side = half(std::max(columns, rows));
-        Json children = Json::array();
+        Nodes children;
         for (const int top : {0, side})
             for (const int left : {0, side}) {
                 if (left >= columns || top >= rows) continue;
                 Box part{};
-                Json child = node(x + left, y + top, std::min(columns - left, left > 0 ? columns : side),
-                                  std::min(rows - top, top > 0 ? rows : side), part);
-                if (child.is_null()) continue;
-                box = children.empty() ? part : around(box, part);
-                children.push_back(std::move(child));
+                Json child = group(x + left, y + top, std::min(columns - left, left > 0 ? columns : side),
+                                   std::min(rows - top, top > 0 ? rows : side), part);
+                children.add(std::move(child), part);
             }
-        if (children.empty()) return nullptr;
-        // Without a mesh of its own all of it is missing.
-        return {{"boundingVolume", box_value(box)}, {"geometricError", diagonal(box)}, {"children", std::move(children)}};
+        return without_mesh(std::move(children), box);
     }
 
+    [[nodiscard]] Json tile(int level, int x, int y, Box& box) const {
+        Nodes children;
+        if (level > 0)
+            for (const int down : {0, 1})
+                for (const int right : {0, 1}) {
+                    Box part{};
+                    Json child = tile(level - 1, 2 * x + right, 2 * y + down, part);
+                    children.add(std::move(child), part);
+                }
+        const auto at = found_.find({level, x, y});
+        if (at == found_.end()) return without_mesh(std::move(children), box);
+        const TileFacts& facts = at->second->facts;
+        box = children.all.empty() ? facts.box : around(facts.box, children.box);
+        double error = 0;  // there is nothing finer
+        if (!children.all.empty()) {
+            error = facts.input_error * plan_.frame.z_scale;
+            for (const Json& child : children.all) error = std::max(error, child["geometricError"].get<double>());
+        }
+        Json node = {{"boundingVolume", box_value(box)}, {"geometricError", error}, {"content", {{"uri", at->second->file}}}};
+        if (!children.all.empty()) node["children"] = std::move(children.all);
+        return node;
+    }
+
+    // All of it is missing.
+    [[nodiscard]] static Json without_mesh(Nodes children, Box& box) {
+        if (children.all.empty()) return nullptr;
+        box = children.box;
+        return {{"boundingVolume", box_value(box)}, {"geometricError", diagonal(box)}, {"children", std::move(children.all)}};
+    }
+
+    const Plan& plan_;
+    int top_;  // the coarsest level
     std::map<std::array<int, 3>, const PlacedTile*> found_;
-    int across_ = 0, down_ = 0;
 };
 
 }  // namespace
@@ -130,8 +173,7 @@ Json layer_value(const Plan& plan, const std::vector<PlacedTile>& tiles) {
     std::map<std::array<int, 3>, int> runs;  // zoom, y and first x; the last x
     for (const PlacedTile& tile : tiles) {
         if (tile.facts.end.kind != TileEnd::Kind::made) continue;
-        const int level = tile.task.level, zoom = grid.zoom - level;
-        const int x = (grid.west >> level) + tile.task.x, y = (grid.north >> level) - tile.task.y;
+        const auto [zoom, x, y] = globe_tile(plan, tile.task);
         const auto next = runs.upper_bound({zoom, y, x});
         if (next != runs.begin()) {
             const auto run = std::prev(next);

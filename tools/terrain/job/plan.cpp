@@ -21,7 +21,7 @@ std::optional<GlobeGrid> find_globe(const Plan& plan, const Frame& frame, const 
     if (plan.arguments.format != Format::quantized_mesh) return {};
     const int cells = plan.arguments.tile;
     if ((plan.width - 1) % cells != 0 || (plan.height - 1) % cells != 0) return {};
-    const Extent first = extent_of(frame, dem, {{}, 0, 0, cells + 1, cells + 1, ""});
+    const Extent first = extent_of(frame, dem.width, dem.height, {{}, 0, 0, cells + 1, cells + 1, ""});
     const double side = first[2] - first[0], zoom = std::log2(180 / side);
     const auto is_whole = [](double number) { return std::fabs(number - std::round(number)) < 1e-6; };
     const double west = (first[0] + 180) / side, north = (first[1] + 90) / side;
@@ -57,10 +57,9 @@ Frame frame_of(const Json& value) {
     return frame;
 }
 
-// Sets all that follows from the size.
-void cut(Plan& plan) {
-    plan.levels.clear();
-    plan.levels.push_back({tiles_along(plan.width, plan.arguments.tile), tiles_along(plan.height, plan.arguments.tile)});
+// At most so many levels.
+void cut(Plan& plan, int most) {
+    plan.levels = find_levels(plan.arguments, plan.frame, plan.width, plan.height, plan.globe, most);
 }
 
 std::string parse_arguments(const std::string& input, const std::vector<std::string>& options, const std::string& format,
@@ -104,14 +103,16 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     Arguments one = plan.arguments;
     one.only = {{0, 0}};
     if (std::string why = find_tiles(one, *dem, tiles); !why.empty()) return why;
-    Frame frame;
-    if (std::string why = find_frame(plan.arguments, *dem, frame); !why.empty()) return why;
-    cut(plan);
+    if (std::string why = find_frame(plan.arguments, *dem, plan.frame); !why.empty()) return why;
+    plan.globe = find_globe(plan, plan.frame, *dem);
+    cut(plan, job.levels);
+    if (const auto levels = static_cast<int>(plan.levels.size()); levels < job.levels)
+        return "'" + input + "' has " + std::to_string(levels) + " levels, not " + std::to_string(job.levels) +
+               (plan.globe ? ": no tile of Cesium's next zoom lies within it" : ": it has too few samples for more");
     if (const auto count = static_cast<std::size_t>(plan.levels[0].across) * static_cast<std::size_t>(plan.levels[0].down);
         count > most_tiles)
         return "'" + input + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
                ": take larger ones by --tiles";
-    plan.globe = find_globe(plan, frame, *dem);
 
     std::vector<std::string> words = job.words;
     if (std::find(words.begin(), words.end(), "--tiles") == words.end())
@@ -127,8 +128,10 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     body["width"] = plan.width;
     body["height"] = plan.height;
     body["tiles"] = plan.arguments.tile;
+    body["levels"] = plan.levels.size();
+    body["skirts"] = job.has_skirts;
     body["format"] = plan.arguments.format == Format::glb ? "glb" : "terrain";
-    body["frame"] = frame_value(frame);
+    body["frame"] = frame_value(plan.frame);
     body["globe"] = nullptr;
     body["options"] = words;
     if (plan.globe) body["globe"] = {plan.globe->zoom, plan.globe->west, plan.globe->north};
@@ -153,7 +156,8 @@ std::string read_plan(const std::string& folder, const std::string& input, Plan&
                                                 body["options"].get<std::vector<std::string>>(), body["format"], plan);
         !why.empty())
         return "'" + plan.folder.path("plan.json") + "' has options that mean nothing: " + why;
-    cut(plan);
+    cut(plan, body["levels"].get<int>());
+    plan.has_skirts = body["skirts"].get<bool>();
     return {};
 }
 
@@ -193,7 +197,7 @@ std::vector<job::Phase> phases_of(const Plan& plan) {
     std::vector<job::Phase> phases = {{"tiles", {}}, {"seams", {}}, {"index", {}}};
     job::Task index{"index", {}};
     for (int level = 0; level < static_cast<int>(plan.levels.size()); ++level) {
-        const auto [across, down] = plan.levels[static_cast<std::size_t>(level)];
+        const int across = plan.level(level).across, down = plan.level(level).down;
         const auto tile = [&](int x, int y) { return name_of(plan, {TaskKind::tile, level, x, y}); };
         for (int y = 0; y < down; ++y) {
             job::Task seams{name_of(plan, {TaskKind::seams, level, 0, y}), {}};
@@ -211,15 +215,24 @@ std::vector<job::Phase> phases_of(const Plan& plan) {
 }
 
 Tile tile_of(const Plan& plan, const TaskName& task) {
-    Tile tile = tile_at(plan.arguments.tile, plan.width, plan.height, {task.x, task.y});
+    const Level& level = plan.level(task.level);
+    Tile tile = tile_at(plan.arguments.tile, level.width, level.height, {task.x, task.y});
     tile.file = plan.folder.path("tiles/" + tile_file(plan, task));
     return tile;
 }
 
+GlobeTile globe_tile(const Plan& plan, const TaskName& task) {
+    const Level& level = plan.level(task.level);
+    const int cells = plan.arguments.tile;
+    return {plan.globe->zoom - task.level, (plan.globe->west + level.column / cells) / level.step + task.x,
+            (plan.globe->north + 1 - level.row / cells) / level.step - 1 - task.y};
+}
+
 std::string tile_file(const Plan& plan, const TaskName& task) {
-    if (plan.globe)  // where Cesium looks for it
-        return std::to_string(plan.globe->zoom - task.level) + "/" + std::to_string((plan.globe->west >> task.level) + task.x) +
-               "/" + std::to_string((plan.globe->north >> task.level) - task.y) + ".terrain";
+    if (plan.globe) {  // where Cesium looks for it
+        const GlobeTile at = globe_tile(plan, task);
+        return std::to_string(at.zoom) + "/" + std::to_string(at.x) + "/" + std::to_string(at.y) + ".terrain";
+    }
     return std::to_string(task.level) + "/" + digits(plan, task.x) + "_" + digits(plan, task.y) +
            (plan.arguments.format == Format::glb ? ".glb" : ".terrain");
 }

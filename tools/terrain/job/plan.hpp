@@ -20,21 +20,11 @@
 #include "terrain/arguments.hpp"
 #include "terrain/dem.hpp"
 #include "terrain/frame.hpp"
+#include "terrain/job/levels.hpp"
 #include "terrain/readers/readers.hpp"
 #include "terrain/tiles.hpp"
 
 namespace terrain {
-
-// Of a level of detail: tiles from the west and from the north.
-struct Level {
-    int across = 0, down = 0;
-};
-
-// Where the tiles of a level are among those of Cesium's, which cut the degrees in halves: tile (x, y) of the plan is tile
-// (west + x, north - y) of this zoom.
-struct GlobeGrid {
-    int zoom = 0, west = 0, north = 0;
-};
 
 struct Plan {
     job::Folder folder{""};
@@ -45,7 +35,10 @@ struct Plan {
     Arguments arguments;             // of all tiles, the input where it is on this machine
     Frame frame;                     // of all tiles
     std::vector<Level> levels;       // the finest first
+    bool has_skirts = false;         // of tiles
     std::optional<GlobeGrid> globe;  // of the finest level
+
+    [[nodiscard]] const Level& level(int number) const { return levels[static_cast<std::size_t>(number)]; }
 };
 
 enum class TaskKind : std::uint8_t { tile, seams, index };
@@ -72,6 +65,11 @@ struct TaskName {
 
 // The tile, with its file's path.
 [[nodiscard]] Tile tile_of(const Plan& plan, const TaskName& task);
+// Of a job whose tiles are Cesium's: which one it is there, counted from the west and from the south.
+struct GlobeTile {
+    int zoom = 0, x = 0, y = 0;
+};
+[[nodiscard]] GlobeTile globe_tile(const Plan& plan, const TaskName& task);
 // Its file as a path from the folder tiles/ on.
 [[nodiscard]] std::string tile_file(const Plan& plan, const TaskName& task);
 

@@ -17,15 +17,14 @@ std::string read_sides(const Plan& plan, const TaskName& task, Sides& sides) {
     TileFacts facts;
     Model model;
     if (std::string why = read_tile(plan, task, facts, model); !why.empty()) return why;
-    const Tile tile = tile_of(plan, task);
     sides = {};
     sides.task = task;
     sides.is_made = facts.end.kind == TileEnd::Kind::made;
     sides.has_no_data = facts.end.no_data > 0;
-    sides.west = vertices_of(plan, tile, model, Side::west);
-    sides.east = vertices_of(plan, tile, model, Side::east);
-    sides.north = vertices_of(plan, tile, model, Side::north);
-    sides.south = vertices_of(plan, tile, model, Side::south);
+    sides.west = vertices_of(plan, task, model, Side::west);
+    sides.east = vertices_of(plan, task, model, Side::east);
+    sides.north = vertices_of(plan, task, model, Side::north);
+    sides.south = vertices_of(plan, task, model, Side::south);
     return {};
 }
 
@@ -51,7 +50,7 @@ void compare(const Plan& plan, const Sides& a, const std::vector<SideVertex>& on
 }  // namespace
 
 std::string find_seams(const Plan& plan, int level, int y, Seams& seams) {
-    const Level size = plan.levels[static_cast<std::size_t>(level)];
+    const Level& size = plan.level(level);
     seams = {};
     Sides before, here, below;
     for (int x = 0; x < size.across; ++x) {

@@ -7,10 +7,11 @@ namespace {
 
 // The coordinate of the side in the tile's file: local metres as the float that the exporter makes of them, or a share of the
 // tile.
-double place_of(const Plan& plan, const Tile& tile, Side side) {
+double place_of(const Plan& plan, const TaskName& task, Side side) {
     const bool is_far = side == Side::east || side == Side::north;
     if (plan.arguments.format == Format::quantized_mesh) return is_far ? 1 : 0;
-    const Frame& frame = plan.frame;
+    const Frame& frame = plan.level(task.level).frame;
+    const Tile tile = tile_of(plan, task);
     if (side == Side::west || side == Side::east) {
         const int column = tile.column + (is_far ? tile.width - 1 : 0);
         return static_cast<double>(static_cast<float>(frame.x_origin + frame.x_step * column));
@@ -21,8 +22,8 @@ double place_of(const Plan& plan, const Tile& tile, Side side) {
 
 }  // namespace
 
-std::vector<SideVertex> vertices_of(const Plan& plan, const Tile& tile, const Model& model, Side side) {
-    const double place = place_of(plan, tile, side);
+std::vector<SideVertex> vertices_of(const Plan& plan, const TaskName& task, const Model& model, Side side) {
+    const double place = place_of(plan, task, side);
     const std::size_t across = side == Side::west || side == Side::east ? 0 : 1;
     const auto equal = [](double a, double b) { return !(a < b) && !(b < a); };
     std::vector<SideVertex> found;

@@ -21,8 +21,8 @@ struct SideVertex {
     friend bool operator<(const SideVertex& a, const SideVertex& b) noexcept { return a.key < b.key; }
 };
 
-// The vertices in a tile's outermost row or column of samples, sorted.
-[[nodiscard]] std::vector<SideVertex> vertices_of(const Plan& plan, const Tile& tile, const Model& model, Side side);
+// The vertices of the file of a tile in its outermost row or column of samples, sorted.
+[[nodiscard]] std::vector<SideVertex> vertices_of(const Plan& plan, const TaskName& task, const Model& model, Side side);
 
 }  // namespace terrain
 

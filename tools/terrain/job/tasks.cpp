@@ -16,18 +16,21 @@ using Kind = TileEnd::Kind;
 
 constexpr char index_file[] = "tiles/index.json";
 
-Json value_of(const TileEnd& end, const std::array<double, 6>& box) {
+Json value_of(const TileFacts& tile) {
+    const TileEnd& end = tile.end;
     return {{"is", end.kind == Kind::empty ? "empty" : "made"},
             {"vertices", end.vertices},
             {"triangles", end.triangles},
             {"samples", end.samples},
             {"no_data", end.no_data},
             {"max_error", end.max_error},
+            {"input_error", tile.input_error},
+            {"skirt", tile.skirt},
             {"sum_of_squares", end.sum_of_squares},
             {"measured", end.measured},
             {"asked", end.asked},
             {"is_tighter", end.is_tighter},
-            {"box", box}};
+            {"box", tile.box}};
 }
 
 TileFacts facts_of(const Json& facts) {
@@ -40,6 +43,8 @@ TileFacts facts_of(const Json& facts) {
     tile.end.no_data = count("no_data");
     tile.end.measured = count("measured");
     tile.end.max_error = facts["max_error"].get<double>();
+    tile.input_error = facts["input_error"].get<double>();
+    tile.skirt = facts["skirt"].get<double>();
     tile.end.sum_of_squares = facts["sum_of_squares"].get<double>();
     tile.end.asked = facts["asked"].get<double>();
     tile.end.is_tighter = facts["is_tighter"].get<bool>();
@@ -49,11 +54,14 @@ TileFacts facts_of(const Json& facts) {
 
 std::array<double, 6> box_of(const Model& model) {
     std::array<double, 6> box{};
-    for (std::size_t v = 0; v < model.vertices.size(); ++v)
-        for (std::size_t k = 0; k < 3; ++k) {
-            const double at = model.vertices[v][k];
-            box[k] = v == 0 ? at : std::min(box[k], at);
-            box[k + 3] = v == 0 ? at : std::max(box[k + 3], at);
+    bool is_first = true;
+    for (const auto* const vertices : {&model.vertices, &model.skirt})
+        for (const std::array<double, 3>& vertex : *vertices) {
+            for (std::size_t k = 0; k < 3; ++k) {
+                box[k] = is_first ? vertex[k] : std::min(box[k], vertex[k]);
+                box[k + 3] = is_first ? vertex[k] : std::max(box[k + 3], vertex[k]);
+            }
+            is_first = false;
         }
     return box;
 }
@@ -99,41 +107,71 @@ std::string read_tile(const Plan& plan, const TaskName& task, TileFacts& facts, 
 
 std::string Worker::open() {
     if (dem_) return {};
-    if (std::string why = open_input(plan_, dem_); !why.empty()) return why;
-    maker_ = std::make_unique<TileMaker>(plan_.arguments, *dem_);
-    return maker_->prepare();
+    return open_input(plan_, dem_);
+}
+
+std::string Worker::open(int level) {
+    if (std::string why = open(); !why.empty()) return why;
+    sources_.resize(plan_.levels.size());
+    Source& source = sources_[static_cast<std::size_t>(level)];
+    if (source.maker) return {};
+    const Level& size = plan_.level(level);
+    if (level > 0) source.thinned = thinned(*dem_, size);
+    source.maker = std::make_unique<TileMaker>(size.arguments, level > 0 ? *source.thinned : *dem_);
+    return source.maker->prepare(size.frame);
 }
 
 std::string Worker::make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
                               Json& facts) {
-    if (std::string why = open(); !why.empty()) return why;
-    const Tile tile = tile_of(plan_, task);
-    TileEnd end;
+    if (std::string why = open(task.level); !why.empty()) return why;
+    const Level& level = plan_.level(task.level);
+    const auto unread = [&](const std::string& why) {
+        return why.empty() ? "" : "cannot read '" + plan_.arguments.input + "': " + why;
+    };
+    Tile tile = tile_of(plan_, task);
+    if (plan_.has_skirts)
+        if (std::string why = unread(find_skirt(plan_.levels, task.level, tile, *dem_, tile.skirt)); !why.empty()) return why;
+    TileFacts found;
+    found.skirt = tile.skirt;
     std::vector<unsigned char> bytes;
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !tool::interrupted; };
-    if (std::string why = maker_->make(tile, progress, parallel_for, end, bytes); !why.empty()) return why;
-    Model model;
-    if (end.kind == Kind::made) {
+    TileMaker& maker = *sources_[static_cast<std::size_t>(task.level)].maker;
+    if (std::string why = maker.make(tile, progress, parallel_for, found.end, bytes); !why.empty()) return why;
+    found.input_error = found.end.max_error;
+    if (found.end.kind == Kind::made) {
+        if (task.level > 0) {
+            Surface surface;
+            if (std::string why = read_back(level.arguments.format, {bytes.data(), bytes.size()}, level.frame, tile, surface);
+                !why.empty())
+                return why;
+            if (std::string why = unread(measure_all(level, tile, std::move(surface), *dem_, found.input_error)); !why.empty())
+                return why;
+        }
+        Model model;
         if (std::string why = parse_tile(plan_.arguments.format, bytes, model); !why.empty()) return why;
+        found.box = box_of(model);
         made.emplace_back();
         if (std::string why =
                 job::write_made(plan_.folder, "tiles/" + tile_file(plan_, task), bytes.data(), bytes.size(), made.back());
             !why.empty())
             return why;
     }
-    facts = value_of(end, box_of(model));
+    facts = value_of(found);
     return {};
 }
 
 std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
     if (std::string why = open(); !why.empty()) return why;
-    std::vector<Tile> tiles;
-    std::vector<TileEnd> ends;
     std::vector<PlacedTile> placed;
     Seams all;
+    Json index, levels = Json::array(), values = Json::array();
     for (int level = 0; level < static_cast<int>(plan_.levels.size()); ++level) {
-        const auto [across, down] = plan_.levels[static_cast<std::size_t>(level)];
-        for (int y = 0; y < down; ++y) {
+        const Level& size = plan_.level(level);
+        std::vector<Tile> tiles;
+        std::vector<TileEnd> ends;
+        double input_error = 0;
+        const std::size_t first = placed.size();
+        for (int y = 0; y < size.down; ++y) {
             job::Done done;
             Json row;
             if (std::string why = find_needed(plan_, {TaskKind::seams, level, 0, y}, job::Look::sizes, done, row); !why.empty())
@@ -144,28 +182,43 @@ std::string Worker::make_index(std::vector<job::Made>& made, Json& facts) {
             all.open += seams.open;
             all.no_data += seams.no_data;
             if (all.first.empty()) all.first = seams.first;
-            for (int x = 0; x < across; ++x) {
+            for (int x = 0; x < size.across; ++x) {
                 const TaskName task{TaskKind::tile, level, x, y};
                 TileFacts found;
                 if (std::string why = find_tile(plan_, task, found); !why.empty()) return why;
                 tiles.push_back(tile_of(plan_, task));
                 tiles.back().file = tile_file(plan_, task);
                 ends.push_back(found.end);
+                input_error = std::max(input_error, found.input_error);
                 placed.push_back({task, tiles.back().file, found});
             }
         }
+        Json report = report_value(size.arguments, *dem_, size.frame, tiles, ends);
+        for (std::size_t k = 0; k < tiles.size(); ++k) {
+            const TileFacts& facts_of_tile = placed[first + k].facts;
+            Json value = {{"level", level}};
+            value.update(report["tiles"][k]);
+            if (facts_of_tile.end.kind == Kind::made) {
+                value["input_error"] = facts_of_tile.input_error;
+                if (plan_.has_skirts) value["skirt"] = facts_of_tile.skirt;
+            }
+            value["bytes"] = facts_of_tile.file.bytes;
+            value["sha256"] = facts_of_tile.file.sha256;
+            values.push_back(std::move(value));
+        }
+        Json sums = {{"step", size.step}, {"column", size.column}, {"row", size.row}};
+        for (const char* const name : {"samples", "bound", "vertices", "triangles", "max_error", "rms_error"})
+            sums[name] = report[name];
+        sums["input_error"] = input_error;
+        levels.push_back(std::move(sums));
+        if (level == 0) index = std::move(report);
     }
-    Json index = report_value(plan_.arguments, *dem_, plan_.frame, tiles, ends);
     index["input"] = plan_.input.path;  // on whatever machine this is
     index["reader"] = plan_.reader;
     index["plan"] = plan_.identity;
-    Json values = std::move(index["tiles"]);
     index.erase("tiles");
-    for (std::size_t k = 0; k < tiles.size(); ++k) {
-        values[k]["bytes"] = placed[k].facts.file.bytes;
-        values[k]["sha256"] = placed[k].facts.file.sha256;
-    }
     index["seams"] = terrain::value_of(all);
+    index["levels"] = std::move(levels);
     index["tiles"] = std::move(values);
     const auto write = [&](const std::string& name, const Json& value) {
         const std::string text = value.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";

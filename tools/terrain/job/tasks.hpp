@@ -28,19 +28,28 @@ class Worker {
     [[nodiscard]] std::string run(const TaskName& task, const hmesh::ParallelFor& parallel_for, std::string& said);
 
   private:
+    // A level's samples, and what makes tiles of them.
+    struct Source {
+        std::unique_ptr<Dem> thinned;  // null: those of the input itself
+        std::unique_ptr<TileMaker> maker;
+    };
+
     [[nodiscard]] std::string open();
+    [[nodiscard]] std::string open(int level);
     [[nodiscard]] std::string make_tile(const TaskName& task, const hmesh::ParallelFor& parallel_for,
                                         std::vector<job::Made>& made, job::Json& facts);
     [[nodiscard]] std::string make_index(std::vector<job::Made>& made, job::Json& facts);
 
     const Plan& plan_;
     DemPointer dem_;
-    std::unique_ptr<TileMaker> maker_;
+    std::vector<Source> sources_;  // of the levels
 };
 
 // What a finished tile's receipt says.
 struct TileFacts {
     TileEnd end;
+    double input_error = 0;       // the most by which it is off a sample of the input; max_error is that of its level's samples
+    double skirt = 0;             // how deep it hangs, in heights of the input
     job::Made file;               // of a tile that is made
     std::array<double, 6> box{};  // of its vertices: least, then greatest x, y and z of the file
 };

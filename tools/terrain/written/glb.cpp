@@ -1,4 +1,4 @@
-// glTF 2.0, binary: the positions and indices of one mesh, y up.
+// glTF 2.0, binary: the positions, normals and indices of one mesh, y up: its first primitive. What follows hangs from its sides.
 #include <nlohmann/json.hpp>
 
 #include <cstring>
@@ -36,7 +36,6 @@ std::string read_glb(tool::Bytes file, Model& model) {
     if (json.is_discarded() || json["meshes"].size() != 1) return "its JSON has not one mesh";
     const tool::Bytes buffer = file.part(20 + text.size + 8);
     for (const Json& primitive : json["meshes"][0]["primitives"]) {
-        const auto first = static_cast<std::uint32_t>(model.vertices.size());
         const Json& places = json["accessors"][primitive["attributes"]["POSITION"].get<std::size_t>()];
         const Json& indices = json["accessors"][primitive["indices"].get<std::size_t>()];
         const auto vertices = places["count"].get<std::size_t>(), corners = indices["count"].get<std::size_t>();
@@ -45,6 +44,10 @@ std::string read_glb(tool::Bytes file, Model& model) {
         const std::size_t size = kind == 5121 ? 1 : kind == 5123 ? 2 : 4;
         if (places["componentType"] != 5126 || !numbers.has(0, 12 * vertices) || !names.has(0, size * corners))
             return "its positions are no floats, or too few";
+        if (!model.vertices.empty()) {
+            for (std::size_t v = 0; v < vertices; ++v) model.skirt.push_back(upright(numbers, v));
+            continue;
+        }
         for (std::size_t v = 0; v < vertices; ++v) model.vertices.push_back(upright(numbers, v));
         if (primitive["attributes"].contains("NORMAL")) {
             const Json& normals = json["accessors"][primitive["attributes"]["NORMAL"].get<std::size_t>()];
@@ -53,7 +56,7 @@ std::string read_glb(tool::Bytes file, Model& model) {
             for (std::size_t v = 0; v < vertices; ++v) model.normals.push_back(upright(directions, v));
         }
         const auto corner = [&](std::size_t k) {
-            return first + (size == 1 ? names.u8(k) : size == 2 ? names.le16(2 * k) : names.le32(4 * k));
+            return size == 1 ? names.u8(k) : size == 2 ? names.le16(2 * k) : names.le32(4 * k);
         };
         for (std::size_t k = 0; k + 2 < corners; k += 3) model.faces.push_back({corner(k), corner(k + 1), corner(k + 2)});
     }

@@ -32,7 +32,8 @@ struct Model {
     std::vector<std::array<double, 3>> vertices;
     std::vector<std::array<std::uint32_t, 3>> faces;
     std::vector<std::array<double, 3>>
-        normals;  // of the vertices, by read_glb(), and by read_quantized_mesh() as two bytes and 0
+        normals;                               // of the vertices, by read_glb(), and by read_quantized_mesh() as two bytes and 0
+    std::vector<std::array<double, 3>> skirt;  // vertices of what hangs from the sides, by read_glb()
 };
 
 [[nodiscard]] std::string read_ply(tool::Bytes file, Model& model);

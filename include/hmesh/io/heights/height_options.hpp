@@ -58,6 +58,9 @@ struct HeightOptions {
     /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and
     /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named.
     const char* texture = nullptr;
+    /// Units, at least 0: how deep walls hang from the four sides of the mesh, in glTF alone; 0: there are none. They hide cracks
+    /// between tiles of different levels of detail.
+    double skirt = 0;
 };
 
 }  // namespace hmesh
