@@ -228,7 +228,7 @@ TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink t
     const auto to_surface = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_height_stl(mesh, sink); };
     const auto to_solid = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_solid_stl(mesh, -50, sink); };
     for (const hmesh_test::Write write : {hmesh_test::Write(to_surface), hmesh_test::Write(to_solid)}) {
-        hmesh_test::check_refusing_sinks(terrain(20, 20, hmesh::Samples::points, hills).mesh.view(), write);
+        hmesh_test::check_refusing_sinks(terrain(12, 12, hmesh::Samples::points, hills).mesh.view(), write);
         hmesh::Mesh mesh = land.mesh;
         mesh.faces[1][2] = 1000;
         hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);

@@ -131,8 +131,9 @@ TEST_CASE("any kind of image and any method lets its mesh be seen") {
 
 TEST_CASE("who has seen enough cancels, and gets the mesh that was seen with its final colours") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(160, 140, 6);
+    // After points, settle and collapse, in the midst of anneal, and after its last sweep.
     for (const int tile : {0, 64})
-        for (std::size_t most = 1; most < 10; ++most) {
+        for (const std::size_t most : {1, 2, 3, 6, 9}) {
             Listener listener;
             listener.most = most;
             Options options{Target::vertices(1200)};
