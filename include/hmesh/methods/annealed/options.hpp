@@ -92,6 +92,7 @@ struct AnnealedSteps {
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
             steps.annealing.start_price = 1.2;
+            steps.annealing.insertion_screen = 0.45;
             steps.annealing.temperature = 0.1;  // two sweeps have no time to cool down
             break;
         case Effort::normal: break;
@@ -107,7 +108,7 @@ struct AnnealedSteps {
             steps.annealing.try_probability = 0.3;
             steps.annealing.jump = 0.3;
             steps.annealing.insertion_screen = 0.2;
-            steps.annealing.flip_screen = 1;
+            steps.annealing.flip_screen = 0.5;
             break;
     }
     return steps;
