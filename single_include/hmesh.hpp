@@ -6736,7 +6736,7 @@ struct AnnealedSteps {
             steps.annealing.try_probability = 0.3;
             steps.annealing.jump = 0.3;
             steps.annealing.insertion_screen = 0.2;
-            steps.annealing.flip_screen = 0.5;
+            steps.annealing.flip_screen = 1;
             break;
     }
     return steps;
