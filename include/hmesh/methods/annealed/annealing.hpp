@@ -108,16 +108,17 @@ class AnnealingSweep {
     }
 
   private:
-    /// Ends the transaction of a move that began at `mark` with the energy `before`. round() relaxes the surroundings; it is
-    /// called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move or
-    /// undoes it; `cost` is the price of the move beside the energy: mu for an insertion, -mu for a removal, a little for
-    /// others, lest moves of no gain go on for ever. Returns whether the move was kept.
-    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost, FunctionRef<void()> round) {
+    /// Ends the transaction of a move that began at `mark` with the energy `before`. round(allowed) relaxes the surroundings; it
+    /// is called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move,
+    /// if the energy is below `allowed`, or undoes it; `cost` is the price of the move beside the energy: mu for an insertion,
+    /// -mu for a removal, a little for others, lest moves of no gain go on for ever. Returns whether the move was kept.
+    bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost,
+                             FunctionRef<void(double allowed)> round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.5 * price_;
+        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.25 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
-            round();
+            round(allowed);
             if (start - mesh_->energy() < min_round_gain || mesh_->energy() > hopeless) break;
         }
         const bool keep = mesh_->energy() < allowed;
@@ -148,7 +149,7 @@ class AnnealingSweep {
             const double before = mesh_->energy();
             collect(v);
             mesh_->collapse(candidate.halfedge);
-            accept_or_roll_back(mark, before, -price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
+            accept_or_roll_back(mark, before, -price_, [&](double) { relax(*mesh_, around_, 1, min_gain_); });
         }
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(), [&](Vertex v) { return topology().is_deleted(v); }),
                        vertices.end());
@@ -171,7 +172,7 @@ class AnnealingSweep {
             const Vertex v = insert(*mesh_, candidate);
             collect(v);
             around_.push_back(v);
-            if (accept_or_roll_back(mark, before, price_, [&] { relax(*mesh_, around_, 1, min_gain_); })) {
+            if (accept_or_roll_back(mark, before, price_, [&](double) { relax(*mesh_, around_, 1, min_gain_); })) {
                 vertices.push_back(v);
                 ++inserted;
             }
@@ -193,9 +194,13 @@ class AnnealingSweep {
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();
             mesh_->flip(e, trial.moments, trial.own, trial.opposite);
-            // No flips in the relaxation, which would turn the edge back.
-            const auto round = [&] {
-                for (const Vertex v : around_) improve_vertex(*mesh_, v, min_gain_);
+            // No flips in the relaxation, which would turn the edge back. The far corners come first: where the energy is still
+            // much too high after them, the other two do not help.
+            const auto round = [&](double allowed) {
+                for (std::size_t i = 0; i < 4; ++i) {
+                    if (i == 2 && mesh_->energy() > allowed + 0.7 * price_) break;
+                    improve_vertex(*mesh_, around_[i], min_gain_);
+                }
             };
             accept_or_roll_back(mark, before, 1e-4 * price_, round);
         }
@@ -225,7 +230,7 @@ class AnnealingSweep {
             collect(v);
             around_.insert(around_.begin(), v);
             mesh_->place(v, target, state.color);
-            accept_or_roll_back(mark, before, 1e-3 * price_, [&] { relax(*mesh_, around_, 1, min_gain_); });
+            accept_or_roll_back(mark, before, 1e-3 * price_, [&](double) { relax(*mesh_, around_, 1, min_gain_); });
         }
     }
 

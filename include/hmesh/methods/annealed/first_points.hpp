@@ -1,8 +1,9 @@
 /// \file
 /// First points: where the vertices of the first mesh stand, many where the image bends and few where it is flat.
 ///
-/// A piecewise linear picture errs with the second derivatives: the density of points follows their magnitude to the power 3 / 4,
-/// plus a tenth of its mean, so that no part is without points. (Powers from 0.4 to 1 change the mesh by 0.05 dB.)
+/// A piecewise linear picture errs with the second derivatives: the density of points follows their magnitude, plus a tenth of
+/// its mean, so that no part is without points. (The power 3 / 4 of it is nearer to what theory asks of smooth pictures, and a
+/// draft of photographs loses 0.2 to 0.3 dB by it, a mesh of effort normal 0.01 to 0.02.)
 ///
 /// A pixel becomes a point if its value in a mask, evenly distributed in [0, 1), is below its density times a factor: each pixel
 /// decides by itself, which error diffusion does not allow, and any tiles and threads choose the same points. The mask is the R2
@@ -142,27 +143,25 @@ HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t
     }
     source.with_window(rect, [&](const SourceWindow<C>& window) {
         SmoothRows<C> smooth_rows(source, window);
-        Array<double> values(static_cast<std::size_t>(width) + 3, 0.0);  // three of 0, so that four can be taken at once
+        Array<double> values(static_cast<std::size_t>(width), 0.0);
         for (int k = 0; k < count + 4; ++k) {
             smooth_rows.read(k, first + k - 2);
             if (k >= 2) smooth_rows.smooth(k);
             if (k < 4) continue;
             const int y = first + k - 4;
             const double* bends = smooth_rows.bends(k);
-            for (std::size_t x = 0; x + 3 < values.size(); ++x, bends += C) {
+            for (std::size_t x = 0; x < values.size(); ++x, bends += C) {
                 double value = 0;
                 for (int c = 0; c < C; ++c) value = static_cast<double>(static_cast<float>(std::min(value + bends[c], most)));
                 values[x] = value;
             }
             if (source.is_weighted())
                 for (int x = 0; x < width; ++x) values[static_cast<std::size_t>(x)] *= std::sqrt(source.weight(x, y));
-            // The sum in the loop of the roots: one waits for additions, the other for roots.
-            for (std::size_t x = 0; x + 3 < values.size(); x += 4) {
-                const auto root = sqrt(Lanes<4>::load(&values[x])), value = root * sqrt(root);
-                value.store(&values[x]);
-                for (int i = 0; i < 4; ++i) sum += value[i];
+            for (int x = 0; x < width; ++x) {
+                const double value = values[static_cast<std::size_t>(x)];
+                sum += value;
+                *to++ = static_cast<float>(value);
             }
-            for (int x = 0; x < width; ++x) *to++ = static_cast<float>(values[static_cast<std::size_t>(x)]);
         }
     });
     return sum;
@@ -241,7 +240,7 @@ template <int C>
 /// the average as those of the image are when there are `count`; half of `count` at most. The vertices of a side alone fit the
 /// samples on it, and chances of the density would leave it some `width * r` of them where a line asks for `width * sqrt(r)`.
 /// They stand on samples, the closer the more the row bends: of r points a px^2 there are the root of r on a px of a line, and r
-/// follows the power 3 / 4 of the bends. O(width + height).
+/// follows the bends. O(width + height).
 template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> side_points(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
@@ -260,8 +259,7 @@ template <int C>
                 const auto bend = (at(k < 2 ? 0 : k - 2) - 2.0 * at(k) + at(k + 2)) * (1 / (4 * source.peak()));
                 double most = 0;
                 for (int c = 0; c < C; ++c) most = std::max(most, std::abs(bend[c]));
-                const double root = std::sqrt(most);
-                bends[first + k] = std::sqrt(root * std::sqrt(root));
+                bends[first + k] = std::sqrt(most);
             }
         });
     };
