@@ -993,7 +993,7 @@ struct Lanes {
 
     /// The three lower bytes of an integer as they stand in it: byte k times 2^(8 k) in lane k; 0 in the lanes above. N >= 4.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes bytes(std::int32_t from) {
-        constexpr std::int32_t mask[N < 4 ? 4 : N] = {0xff, 0xff00, 0xff0000};
+        constexpr std::int32_t mask[std::size_t{N < 4 ? 4 : N}] = {0xff, 0xff00, 0xff0000};
         Lanes r;
 #if defined(__GNUC__)
         if constexpr (width > 1) {
@@ -15801,7 +15801,7 @@ class PsnrCurve {
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
         if (is_finite(now)) {
-            if (goes_on(work) && growth > 0) curve->shift(next, now);  // what it has lost is no slope
+            if (goes_on(work)) curve->shift(next, now);  // what it has lost or gained by going on is no slope
             else curve->pass(next, now);
         }
         spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : 0.2;

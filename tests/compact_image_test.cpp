@@ -68,8 +68,8 @@ void prove(const hmesh::ImageView<T, C>& view, const CompactImageOptions& option
                 energy += off * off;
             }
     const double psnr = -10 * std::log10(energy / (static_cast<double>(view.width) * view.height * C));
-    // Above that the rounding to 8 bits tells.
-    if (out.psnr < 50) CHECK(psnr == doctest::Approx(out.psnr).epsilon(0.002));
+    // The higher, the more the rounding to 8 bits tells.
+    if (out.psnr < 50) CHECK(psnr == doctest::Approx(out.psnr).epsilon(out.psnr < 40 ? 0.002 : 0.01));
 }
 
 }  // namespace

@@ -216,7 +216,7 @@ TEST_CASE("a PSNR is searched for within the most vertices allowed, and where it
         CAPTURE(most);
         const auto result = mesh_of(image, Target::psnr(31, most), Effort::fast);
         CHECK(result.status.code == Errc::target_out_of_range);
-        CHECK(std::string(result.status.what).find("max_vertices") != std::string::npos);
+        CHECK(std::string(result.status.what).find("of so few vertices") != std::string::npos);
         CHECK(result.status.value == result.report.psnr);
         CHECK(result.status.limit == 31);
         CHECK(result.report.vertices <= static_cast<std::size_t>(most));
@@ -635,7 +635,7 @@ TEST_CASE("a search goes by what psnr_of says of each mesh, and the report tells
     options.target = Target::psnr(30, 60);
     const hmesh::Result bounded = hmesh::mesh_image(image.view(), options, Annealed{Effort::draft, 1});
     CHECK(bounded.status.code == Errc::target_out_of_range);
-    CHECK(std::string(bounded.status.what).find("max_vertices") != std::string::npos);
+    CHECK(std::string(bounded.status.what).find("of so few vertices") != std::string::npos);
     CHECK(bounded.report.vertices <= 60);
     CHECK(bounded.report.psnr > bounded.status.value - 1e-9);  // the mesh's own
 }

@@ -175,7 +175,7 @@ TEST_CASE("of large images no rectangle is large, and no pixel is read often") {
             sum += above[static_cast<std::size_t>(x)];
         }
     CHECK(sum / (double{width} * height) < 32);
-    CHECK(most < 64);  // where patches stand out of their tiles
+    CHECK(most < 80);  // where patches stand out of their tiles, as they do where points are far apart
 }
 
 TEST_CASE("whichever read fails, there is no mesh, the status names the rectangle, and nothing is read after it") {

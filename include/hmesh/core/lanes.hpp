@@ -104,7 +104,7 @@ struct Lanes {
 
     /// The three lower bytes of an integer as they stand in it: byte k times 2^(8 k) in lane k; 0 in the lanes above. N >= 4.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes bytes(std::int32_t from) {
-        constexpr std::int32_t mask[N < 4 ? 4 : N] = {0xff, 0xff00, 0xff0000};
+        constexpr std::int32_t mask[std::size_t{N < 4 ? 4 : N}] = {0xff, 0xff00, 0xff0000};
         Lanes r;
 #if defined(__GNUC__)
         if constexpr (width > 1) {

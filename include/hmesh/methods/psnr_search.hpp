@@ -258,7 +258,7 @@ class PsnrCurve {
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
         if (is_finite(now)) {
-            if (goes_on(work) && growth > 0) curve->shift(next, now);  // what it has lost is no slope
+            if (goes_on(work)) curve->shift(next, now);  // what it has lost or gained by going on is no slope
             else curve->pass(next, now);
         }
         spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : 0.2;
