@@ -103,12 +103,13 @@ class PsnrCurve {
         root_ = root_of(static_cast<double>(n));
         psnr_ = psnr;
     }
-    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance.
-    void pass(std::size_t n, double psnr) noexcept {
+    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that `goes_on`
+    /// from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
+    void pass(std::size_t n, double psnr, bool goes_on) noexcept {
         const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
         const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling
         shift(n, psnr);
-        if (is_far) rise_ = std::max(rise_of(0.6), std::min(rise_of(8), gain / step));
+        if (is_far) rise_ = std::max(goes_on ? rise_ : rise_of(0.6), std::min(rise_of(16), gain / step));
     }
     /// The curve of runs that reach as much by this share of the vertices.
     void scale(double share) noexcept {
@@ -213,7 +214,7 @@ class PsnrCurve {
         if (!draft.status) return better_of(std::move(draft));
         const double reached = draft.report.psnr;
         if (!is_finite(reached)) break;
-        if (curve) curve->pass(n, reached);
+        if (curve) curve->pass(n, reached, false);
         else curve.emplace(n, reached);
         const auto count = static_cast<double>(n), needed = curve->count(psnr);
         n = allowed(std::min(5 * count, trials.draft * needed));
@@ -257,10 +258,7 @@ class PsnrCurve {
         now = result.report.psnr;
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
-        if (is_finite(now)) {
-            if (goes_on(work)) curve->shift(next, now);  // what it has lost or gained by going on is no slope
-            else curve->pass(next, now);
-        }
+        if (is_finite(now)) curve->pass(next, now, goes_on(work));
         spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : 0.2;
         n = next;
         last = std::move(reached);
