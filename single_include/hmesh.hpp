@@ -15646,8 +15646,8 @@ class PsnrCurve {
         root_ = root_of(static_cast<double>(n));
         psnr_ = psnr;
     }
-    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that `goes_on`
-    /// from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
+    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that
+    /// `goes_on` from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
     void pass(std::size_t n, double psnr, bool goes_on) noexcept {
         const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
         const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling

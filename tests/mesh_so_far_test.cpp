@@ -133,7 +133,7 @@ TEST_CASE("who has seen enough cancels, and gets the mesh that was seen with its
     const auto image = hmesh_test::scene<std::uint8_t, 3>(160, 140, 6);
     // After points, settle and collapse, in the midst of anneal, and after its last sweep.
     for (const int tile : {0, 64})
-        for (const std::size_t most : {1, 2, 3, 6, 9}) {
+        for (const std::size_t most : {1U, 2U, 3U, 6U, 9U}) {
             Listener listener;
             listener.most = most;
             Options options{Target::vertices(1200)};
