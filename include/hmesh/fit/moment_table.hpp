@@ -164,8 +164,9 @@ class MomentTable {
             for (int c = 0; c < lanes; ++c) out.set(c, c < C ? static_cast<double>(samples[c]) : 0.0);
             return;
         }
-        if (int32_ && x % 2 == 0) out = beyond(pair(x, y), 1);
-        else out = entry(x + 1, y).of_samples - entry(x, y).of_samples;
+        if (!int32_) out = Channels::load(entries() + offset(x + 1, y)) - Channels::load(entries() + offset(x, y));
+        else if (x % 2 == 0) out = beyond(pair(x, y), 1);
+        else out = Channels::load(pair(x + 1, y)) - Channels::load(pair(x, y)) - beyond(pair(x, y), 1);
         for (int c = C; c < lanes; ++c) out.set(c, 0);
     }
 
