@@ -443,6 +443,12 @@ class Triangulation {
 
 namespace hmesh::detail {
 
+/// Twice the area of the triangle that an edge is a side of; beyond the border 0.
+[[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
+    const Triangulation::Index c = mesh.apex(e);
+    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+}
+
 /// What is wanted of each plane of each vertex, as vertices are written one after the other.
 class ColorChoice {
   public:
@@ -452,19 +458,15 @@ class ColorChoice {
     ColorChoice(const Triangulation& mesh, const std::vector<bool>& used, std::vector<double> wanted, std::size_t channels)
         : channels_(channels), wanted_(std::move(wanted)), off_(wanted_.size(), 0), own_(mesh.point_count(), 0),
           begin_(mesh.point_count() + 1, 0), is_written_(mesh.point_count(), false) {
-        const auto area_beside = [&](Triangulation::Index e) {
-            const Triangulation::Index c = mesh.apex(e);
-            return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
-        };
         for (std::size_t v = 0; v < mesh.point_count(); ++v) {
             const auto at = static_cast<Triangulation::Index>(v);
             std::int64_t around = 0;
             Triangulation::Index e = mesh.first(at);
             for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-                const std::int64_t area = area_beside(e);
+                const std::int64_t area = area_beside(mesh, e);
                 around += area;
                 if (used[v] && used[mesh.to(e)])
-                    shared_.push_back({mesh.to(e), static_cast<double>(area + area_beside(Triangulation::opposite(e)))});
+                    shared_.push_back({mesh.to(e), static_cast<double>(area + area_beside(mesh, Triangulation::opposite(e)))});
             }
             own_[v] = 2 * static_cast<double>(around);
             begin_[v + 1] = shared_.size();
@@ -1250,10 +1252,7 @@ class ColorCoder {
         const auto at = static_cast<Triangulation::Index>(v);
         area_ = 0;
         Triangulation::Index e = mesh.first(at);
-        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-            const Triangulation::Index c = mesh.apex(e);
-            if (c != Triangulation::none) area_ += orientation(mesh.point(at), mesh.point(mesh.to(e)), mesh.point(c));
-        }
+        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) area_ += area_beside(mesh, e);
     }
 
     // Which multiple of a plane's step is best: of the least error and bits together.

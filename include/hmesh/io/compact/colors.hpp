@@ -214,10 +214,7 @@ class ColorCoder {
         const auto at = static_cast<Triangulation::Index>(v);
         area_ = 0;
         Triangulation::Index e = mesh.first(at);
-        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-            const Triangulation::Index c = mesh.apex(e);
-            if (c != Triangulation::none) area_ += orientation(mesh.point(at), mesh.point(mesh.to(e)), mesh.point(c));
-        }
+        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) area_ += area_beside(mesh, e);
     }
 
     // Which multiple of a plane's step is best: of the least error and bits together.
