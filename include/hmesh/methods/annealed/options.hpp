@@ -30,7 +30,7 @@ namespace hmesh {
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.6 to 1.9 dB above draft
-    normal,  ///< three times as many, removal, then 5 sweeps of annealing: about 0.6 dB above fast
+    normal,  ///< three times as many, removal, then 6 sweeps of annealing: about 0.6 dB above fast
     fine,    ///< the same with 50 sweeps: 0.1 to 0.4 dB above normal in four to five times its time
     best,    ///< the same with 1000 sweeps
 };
@@ -40,7 +40,7 @@ namespace kit {
 /// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
 /// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
 struct AnnealingOptions {
-    int sweeps = 5;              ///< in [0, 1e6]; 0: no annealing
+    int sweeps = 6;              ///< in [0, 1e6]; 0: no annealing
     double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
     double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
     double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
@@ -49,7 +49,7 @@ struct AnnealingOptions {
     /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
     double removal_screen = 3;
     /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
-    double insertion_screen = 0.35;
+    double insertion_screen = 0.25;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
     /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 1 the mesh grows to 1.3 times the target, which lets
@@ -63,7 +63,7 @@ struct AnnealingOptions {
 /// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
 struct AnnealedSteps {
     double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
-    int settle_rounds = 2;         ///< of visits and flips over the first mesh, in [0, 1000]
+    int settle_rounds = 1;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
     int polish_rounds = 1;         ///< flips and a sweep at the end, in [0, 1000]
     /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
@@ -82,6 +82,7 @@ struct AnnealedSteps {
     switch (effort) {
         case Effort::draft:
             steps.points = 1.65;
+            steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.relaxation.min_gain = 3e-2;
             steps.polish_rounds = 2;
@@ -89,6 +90,7 @@ struct AnnealedSteps {
             break;
         case Effort::fast:
             steps.points = 1.4;
+            steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
             steps.annealing.start_price = 1.2;
@@ -281,7 +283,8 @@ struct Annealed {
         } else if (kit::goes_on(beginning.work)) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
             const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
-            out.steps->annealing.sweeps = (eighths * out.steps->annealing.sweeps + 7) / 8;
+            const int sweeps = out.steps->annealing.sweeps;
+            out.steps->annealing.sweeps = std::max(std::min(1, sweeps), (eighths * sweeps + 4) / 8);
             out.steps->annealing.start_price = 0.85;
             out.steps->annealing.temperature = 0.1;  // few sweeps have no time to cool down
         }
