@@ -15,7 +15,8 @@ class Fit {
   // From a mesh of it whose vertices may lie anywhere.
   constructor({ width, height, pixels, channels }, { positions, indices, colors }) {
     const [x, y] = [0, 1].map((axis) => Array.from(positions.filter((_, k) => k % 2 === axis)));
-    Object.assign(this, { width, height, pixels, channels, mesh: makeTriangles(x, y), n: x.length, colors: Float64Array.from(colors) });
+    const [apex, turn, , flip, , , set, isInside] = makeTriangles(x, y), mesh = { x, y, apex, turn, flip, set, isInside };
+    Object.assign(this, { width, height, pixels, channels, mesh, n: x.length, colors: Float64Array.from(colors) });
     for (let f = 0; f < indices.length; f += 3) this.mesh.set(indices[f], indices[f + 1], indices[f + 2], 0);
   }
 
