@@ -20,7 +20,7 @@ const LOGISTIC = table(46, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
 const held = (x, most) => max(-most, min(most, x));
-const refuseIf = (isWrong) => { if (isWrong) throw 0; };  // caught by readBare() alone
+export const refuseIf = (isWrong) => { if (isWrong) throw 0; };
 
 // Of a logarithm from -2816 to 2816.
 function probability(s) {
@@ -82,26 +82,15 @@ function openCode(bytes, at) {
   };
   // Whether the bytes end as their writer ends them.
   const ends = () => {
-    for (let size = 0; ; size++) {
-      const unit = 2 ** (32 - 8 * size), tail = ceil(low / unit) * unit;
-      if (tail <= high) return at + size === bytes.length + 4 && code === tail;
-    }
+    let unit = 2 ** 32;
+    for (; ceil(low / unit) * unit > high; unit /= 256) at++;
+    return at === bytes.length + 4 && code === ceil(low / unit) * unit;
   };
   return [bits, told, mixed, ends];
 }
 
-function readCounts([bits, told]) {
-  const rest = (size) => size && bits(size - 1, 1), inside = rest(bits(5)), counts = [];
-  while (counts.length < 4) {
-    let size = 0;
-    while (size < 31 && told(COUNTS + size)) size++;
-    counts.push(rest(size));
-  }
-  return [...counts, inside];
-}
-
 // n sites of width x height. Sites, and cells by their first, are named ROW x + y; a cell has 2^p x 2^q sites, of which some are outside.
-function readSites([bits, told, mixed], width, height, n) {
+function readSites(bits, told, mixed, width, height, n) {
   const room = (cell, p, q) => max(0, min(1 << p, width - (cell / ROW | 0))) * max(0, min(1 << q, height - cell % ROW));
   // Asks how many of a cell's n points its first half has, and gives the halves that have some.
   const halve = (cell, n, p, q, ask, give) => {
@@ -145,32 +134,41 @@ function readSites([bits, told, mixed], width, height, n) {
   return sites;
 }
 
-// Triangles between points: of each directed edge from a to b, at a n + b, EDGE times the round of flips that has made the triangle on its
-// left, and one more than the point across from it there; 0 beside the border.
+// Triangles between points: of each directed edge, at [a][b], EDGE times the round of flips that has made the triangle on its left, and one more
+// than the point across from it there; 0 or nothing beside the border and where there is no edge.
 export function makeTriangles(x, y) {
-  const n = x.length, edges = new Int32Array(n * n);
+  const edges = x.map(() => []);
   // The point across from an edge, or -1, and its round.
-  const apex = (a, b) => (edges[a * n + b] & EDGE - 1) - 1;
-  const since = (a, b) => edges[a * n + b] / EDGE | 0;
+  const apex = (a, b) => (edges[a][b] & EDGE - 1) - 1;
+  const since = (a, b) => edges[a][b] / EDGE | 0;
   const set = (a, b, c, round) => {
-    edges[a * n + b] = EDGE * round + c + 1;
-    edges[b * n + c] = EDGE * round + a + 1;
-    edges[c * n + a] = EDGE * round + b + 1;
+    edges[a][b] = EDGE * round + c + 1;
+    edges[b][c] = EDGE * round + a + 1;
+    edges[c][a] = EDGE * round + b + 1;
   };
-  // Of the sides from a point to two others: twice the area of the triangle, positive where c is to the left of a to b, and the scalar product.
+  // Calls body() with every triangle at a point, by its other two in the order of the first.
+  const star = (a, body) => edges[a].forEach((edge, b) => edge && body(b, apex(a, b)));
+  // Twice the area of a triangle, positive where c is to the left.
   const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  const along = (a, b, c) => (x[b] - x[a]) * (x[c] - x[a]) + (y[b] - y[a]) * (y[c] - y[a]);
-  // Whether d counts as inside of the circle of the positive a, b, c: the angle at d is larger than that at c.
-  const isInside = (a, b, c, d) => {
-    const value = along(c, a, b) * turn(a, b, d) - along(d, a, b) * turn(a, b, c);
+  // Whether d counts as inside of the circle of the positive a, b, c, where `value` is above 0 inside and 0 on it.
+  const isInside = (a, b, c, d, value) => {
     if (value) return value > 0;
     const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
     return least === d || turn(other(a), other(b), other(c)) < 0;
   };
   // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
   const begin = (a, b) => {
-    let c = -1;
-    if (apex(a, b) < 0) for (let d = 0; d < n; d++) if (turn(a, b, d) > 0 && (c < 0 || isInside(a, b, c, d))) c = d;
+    if (apex(a, b) >= 0) return;
+    const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
+    let c = -1, areaC, productC;
+    for (let d = 0; d < x.length; d++) {
+      // Over the cosine and the sine of the angle at d, what is the same for any point of a circle: this is larger of c where d is inside.
+      const u = x[d] - p, v = y[d] - q, area = s * v - u * t, product = u * (u - s) + v * (v - t);
+      if (area <= 0 || (c >= 0 && !isInside(a, b, c, d, productC * area - product * areaC))) continue;
+      c = d;
+      areaC = area;
+      productC = product;
+    }
     if (c < 0) return;
     set(a, b, c, 0);
     begin(a, c);
@@ -178,23 +176,24 @@ export function makeTriangles(x, y) {
   };
   // The angle at p between q and r, in 64ths of a half turn.
   const angle = (p, q, r) => {
-    const area = turn(p, q, r), t = 64 * along(p, q, r);
+    const area = turn(p, q, r), t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
     let k = 0;
-    while (k < 31 && abs(t) < COTANGENTS[k] * area) k++;
+    for (let step = 16; step; step >>= 1) if (abs(t) < COTANGENTS[k + step - 1] * area) k += step;
     return t < 0 ? 63 - k : k;
   };
   const flip = (a, b, c, d, round) => {
-    edges[a * n + b] = edges[b * n + a] = 0;
+    edges[a][b] = edges[b][a] = 0;
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return [apex, turn, begin, flip, since, angle, set, isInside];
+  return [apex, turn, star, begin, flip, since, angle, set, isInside];
 }
 
-function readFlips([, , mixed], n, [apex, turn, , flip, since, angle]) {
+function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
   let asked = new Set(), left = 64 * n;
   const ask = (a, b) => asked.add(min(a, b) * n + max(a, b));
-  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (apex(a, b) >= 0 || apex(b, a) >= 0) ask(a, b);
+  for (let a = 0; a < n; a++) star(a, (b) => ask(a, b));
+  asked = new Set(Int32Array.from(asked).sort());
   for (let now = 1; asked.size; now++) {
     const edges = asked;
     asked = new Set();
@@ -217,39 +216,39 @@ function readFlips([, , mixed], n, [apex, turn, , flip, since, angle]) {
 
 // Of all points, colours of three channels, or of four with alpha. `channels` are those of the file; `step` is that of coarse colours, 0 of exact
 // ones; `mean` is 1536 times the mean area of points.
-function readColors([bits, told, mixed], x, y, [apex, turn], channels, step, mean) {
+function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mean) {
   const n = x.length, planes = new Int32Array(n * channels), missed = new Int32Array(n * channels);
   const colors = [], isRgb = channels > 2, hasAlpha = channels % 2 === 0;
   for (let v = 0; v < n; v++) {
-    let near = [], nearest = 2 ** 26, total = 0, area = 0;
-    for (let u = 0; u < n; u++) {
-      const w = apex(v, u);
-      if (w >= 0) area += turn(v, u, w);
-      if (u >= v || (w < 0 && apex(u, v) < 0)) continue;
-      const dx = abs(x[u] - x[v]), dy = abs(y[u] - y[v]), distance = 256 * max(dx, dy) + 96 * min(dx, dy);
-      near.push([u, distance]);
-      nearest = min(nearest, distance);
-    }
-    near = near.map(([u, distance]) => [u, max(1, 4096 * nearest / distance | 0)]);
+    const known = new Set();
+    let area = 0;
+    star(v, (u, w) => {
+      area += turn(v, u, w);
+      known.add(u).add(w);
+    });
+    const distance = (u) => {
+      const dx = abs(x[u] - x[v]), dy = abs(y[u] - y[v]);
+      return 256 * max(dx, dy) + 96 * min(dx, dy);
+    };
+    const before = [...known].filter((u) => u < v), nearest = min(2 ** 26, ...before.map(distance));
+    const near = before.map((u) => [u, max(1, 4096 * nearest / distance(u) | 0)]);
     if (!near.length && v) near.push([v - 1, 1]);
-    for (const [, weight] of near) total += weight;
+    const total = near.reduce((sum, [, weight]) => sum + weight, 0);
     const fineness = sqrt(max(16, min(4096, mean / area))) | 0;
     let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
     for (let k = 0; k < channels; k++) {
-      const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && (channel === 1 || channel === 2);
-      const top = step ? 16383 : isDifference ? 510 : 255, first = step ? (isDifference ? 8192 : 2048) : (top + 1) >> 1;
-      const unit = max(1, step * fineness * (isRgb ? [10, 12, 7, 17][channel] : 17) >> 8);
+      const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && channel % 3 > 0;
+      const top = step ? 16383 : isDifference ? 510 : 255, first = step && !isDifference ? 2048 : (top + 1) >> 1;
+      const unit = max(1, step * fineness * [10, 12, 7, 17][isRgb ? channel : 3] >> 8);
       const weigh = (numbers, from) => near.reduce((sum, [u, weight]) => sum + weight * abs(numbers[u * channels + channel] - from), 0);
       const size0 = (value) => (value < 4 ? value : 2 + size0(value >> 1));
       const level = (sum) => (v ? min(18, size0(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
       const guess = v ? round(weigh(planes, 0) / total) : first;
       const spread = level(weigh(planes, guess)), off = level(weigh(missed, 0));
       const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
+      const largest = digits(max(guess, top - guess) / unit), isMore = (set) => mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place);
       let size = 0, sign = 0;
-      for (const largest = digits(max(guess, top - guess) / unit); size < largest; size++) {
-        const set = channel * 16 + size;
-        if (!mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place)) break;
-      }
+      while (size < largest && isMore(channel * 16 + size)) size++;
       if (size) sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
       let value = min(1, size);
       for (let k = 1; k < size; k++) value += value + (value < 4 ? told(DIGITS + (channel * 16 + size) * 4 + value) : bits(1));
@@ -262,7 +261,7 @@ function readColors([bits, told, mixed], x, y, [apex, turn], channels, step, mea
       sign2 = sign1;
       sign1 = sign;
     }
-    const at = v * channels, luma = planes[at], o = planes[at + 1] - (step ? 8192 : 255), green = planes[at + 2] - (step ? 8192 : 255);
+    const at = v * channels, zero = step ? 8192 : 255, luma = planes[at], o = planes[at + 1] - zero, green = planes[at + 2] - zero;
     const m = luma - (green >> 1), blue = m - (o >> 1);
     const color = !isRgb ? [luma, luma, luma] : step ? [luma + o - green, luma + 2 * green, luma - o - green] : [blue + o, m + green, blue];
     if (hasAlpha) color.push(planes[at + channels - 1]);
@@ -275,7 +274,9 @@ function readColors([bits, told, mixed], x, y, [apex, turn], channels, step, mea
   return colors;
 }
 
-function read(bytes, told) {
+// The mesh of the bytes of a bare compact file; throws where they are none. `told`: width and height, px, where the bytes leave them out.
+export function readBare(bytes, told) {
+  if (!logarithms) makeLogarithms();
   let at = 1;
   const varint = (place = 1) => {
     const byte = bytes[at++];
@@ -286,37 +287,35 @@ function read(bytes, told) {
   refuseIf(version !== 1 && version !== 2);
   const [width, height] = version < 2 ? [varint(), varint()] : told, step = varint(), colorStep = varint();
   refuseIf(!(min(width, height, step) >= 1 && max(width, height) <= MOST_PIXELS && step <= 65536 && colorStep < 4096));
-  const columns = ceil(width / step), rows = ceil(height / step), x = [0, width, width, 0], y = [0, 0, height, height];
-  const code = openCode(bytes, at), counts = readCounts(code), room = [columns - 1, rows - 1, columns - 1, rows - 1, (columns - 1) * (rows - 1)];
+  const columns = ceil(width / step) - 1, rows = ceil(height / step) - 1, x = [0, width, width, 0], y = [0, 0, height, height];
+  const [bits, tell, mixed, ends] = openCode(bytes, at);
+  // Numbers of points: inside, which are first in the code and last here, and along each side.
+  const rest = (size) => size && bits(size - 1, 1), inside = rest(bits(5)), sizes = [[columns, 1], [rows, 1], [columns, 1], [rows, 1], [columns, rows]];
+  const counts = [0, 1, 2, 3].map(() => {
+    let size = 0;
+    while (size < 31 && tell(COUNTS + size)) size++;
+    return rest(size);
+  });
+  counts.push(inside);
   let n = 4;
-  counts.forEach((count, k) => refuseIf(count > room[k] || (n += count) > MOST_POINTS));
+  counts.forEach((count, k) => refuseIf(count > sizes[k][0] * sizes[k][1] || (n += count) > MOST_POINTS));
   counts.forEach((count, k) => {
-    if (count) for (const site of k < 4 ? readSites(code, room[k], 1, count) : readSites(code, columns - 1, rows - 1, count)) {
+    if (!count) return;
+    for (const site of readSites(bits, tell, mixed, ...sizes[k], count)) {
       const i = step * (1 + site / ROW | 0), j = step * (1 + site % ROW);
       x.push([i, width, i, 0, i][k]);
       y.push([0, i, height, i, j][k]);
     }
   });
-  const mesh = makeTriangles(x, y), [apex, , begin] = mesh, indices = [];
+  const mesh = makeTriangles(x, y), [, , star, begin] = mesh, indices = [];
   begin(0, counts[0] ? 4 : 1);
-  readFlips(code, n, mesh);
-  const channels = (first & 3) + 1, colors = readColors(code, x, y, mesh, channels, colorStep, 1536 * width * height / n);
-  refuseIf(!code[3]());
-  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (apex(a, b) > a) indices.push(a, b, apex(a, b));
+  readFlips(mixed, n, mesh);
+  const channels = (first & 3) + 1, colors = readColors(bits, tell, mixed, x, y, mesh, channels, colorStep, 1536 * width * height / n);
+  refuseIf(!ends());
+  for (let a = 0; a < n; a++) star(a, (b, c) => { if (a < min(b, c)) indices.push(a, b, c); });
   return {
     positions: Float32Array.from(x.flatMap((x, v) => [x, y[v]])), colors: Uint8Array.from(colors), indices: Uint32Array.from(indices),
     width, height, channels: colors.length / n,
     premultiplied: (first & 4) > 0, linear: (first & 8) > 0, vertices: n, faces: indices.length / 3,
   };
-}
-
-// The mesh of the bytes of a bare compact file, or null where they are none. `told`: width and height, px, where the bytes leave them out.
-export function readBare(bytes, told = []) {
-  if (!logarithms) makeLogarithms();
-  try {
-    return read(bytes, told);
-  } catch (error) {
-    if (error) throw error;
-    return null;
-  }
 }
