@@ -1,7 +1,9 @@
 // Reads the bare profile of compact files, bit for bit what the library's reader makes of it: docs/compact.md has every rule that stands
-// here, by the same names. Whole numbers alone; none is above 2^53, so that every engine decides alike.
+// here, by the same names. Whole numbers alone, and quotients of them that are made whole at once; none is above 2^53, so that every engine
+// decides alike. Parts are handed on in arrays, by their places, since minifiers shorten no names of properties.
 //
-// Work is O(n^2) in the number of points and memory 6 n^2 bytes, n <= MOST_POINTS: 0.7 ms and 30 kB of 70 points, which 200 bytes hold.
+// Work is O(n^2) in the number of points, n <= MOST_POINTS, and memory 8 n^2 bytes beside 430 kB of contexts: 0.7 ms and 50 kB of 80 points,
+// which 200 bytes hold. Loops that are run for each bit are plain: a page decodes little, and most of it before its engine has compiled this.
 
 export const MOST_POINTS = 1024;  // corners among them
 const MOST_PIXELS = 4096;  // of a side: signs of circles are exact up to these
@@ -13,31 +15,37 @@ const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANG
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-export const { max, min, abs, ceil, floor, round, exp, tan, sqrt, PI } = Math;
+export const { max, min, abs, ceil, floor, round, exp, log, tan, sqrt, PI } = Math;
 // Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
 const table = (size, body) => Array.from({ length: size }, (_, k) => round(body(k)));
 const LOGISTIC = table(46, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
+const q3 = (count) => min(3, count);
+const grade = (value) => (value < 4 ? value : 2 + grade(value >> 1));  // two of each number of digits
 const held = (x, most) => max(-most, min(most, x));
+// Where this throws, there is no mesh.
 export const refuseIf = (isWrong) => { if (isWrong) throw 0; };
 
-// Of a logarithm from -2816 to 2816.
+// In 65536ths, of a logarithm from -2816 to 2816.
 function probability(s) {
   const k = abs(s) >> 6, r = abs(s) & 63, p = LOGISTIC[k] * (64 - r) + LOGISTIC[k + 1] * r >> 6;
   return s < 0 ? 65536 - p : p;
 }
 
-// At k, the least logarithm whose probability is 16 k + 8 at least. Made when a mesh is read first.
-let logarithms;
-function makeLogarithms() {
-  logarithms = [];
-  for (let s = -2816; s <= 2816; s++) for (const p = probability(s); 16 * logarithms.length + 8 <= p;) logarithms.push(s);
+// The least logarithm whose probability is 16 k + 8 at least: the curve itself is some steps from it at most, which whole numbers then find.
+function logarithm(k) {
+  const p = 16 * k + 8;
+  let s = round(256 * log(p / (65536 - p)));
+  while (probability(s) < p) s++;
+  while (probability(s - 1) >= p) s--;
+  return s;
 }
+const logarithms = Array(4096);  // those of k that have been asked for, some hundreds
 
 // The arithmetic code from bytes[at] on, with its contexts: what each is, less 2^21, and its count.
 function openCode(bytes, at) {
-  const contexts = new Int32Array(CONTEXTS), seen = new Uint8Array(CONTEXTS), weights = new Int32Array(4 * WEIGHTS);
+  const contexts = new Int32Array(CONTEXTS), seen = new Uint8Array(CONTEXTS), weights = new Int32Array(4 * WEIGHTS), logs = new Int32Array(4);
   let low = 0, high = 0xffffffff, code = 0;
   const shift = () => {
     low = low << 8 >>> 0;
@@ -68,11 +76,13 @@ function openCode(bytes, at) {
     learn(context, bit);
     return bit;
   };
-  // By all contexts `base` + name.
+  // A bit by all contexts `base` + name, of which each counts by its weight in the set.
   const mixed = (set, base, ...names) => {
-    const logs = [];
     let sum = 0;
-    for (let k = 0; k < names.length; k++) sum += weights[4 * set + k] * (logs[k] = logarithms[2048 + (contexts[base + names[k]] >> 10)]);
+    for (let k = 0; k < names.length; k++) {
+      const q = 2048 + (contexts[base + names[k]] >> 10);
+      sum += weights[4 * set + k] * (logs[k] = logarithms[q] ??= logarithm(q));
+    }
     const p = probability(held(sum / 65536 | 0, 2816)), bit = raw(p);
     for (let k = 0; k < names.length; k++) {
       weights[4 * set + k] = held(weights[4 * set + k] + (logs[k] * (bit * 65536 - p) / 16384 | 0), 524288);
@@ -89,10 +99,10 @@ function openCode(bytes, at) {
   return [bits, told, mixed, ends];
 }
 
-// n sites of width x height. Sites, and cells by their first, are named ROW x + y; a cell has 2^p x 2^q sites, of which some are outside.
+// n sites of width x height. A site is named ROW x + y, and a cell by its first site; it has 2^p x 2^q, those outside too.
 function readSites(bits, told, mixed, width, height, n) {
   const room = (cell, p, q) => max(0, min(1 << p, width - (cell / ROW | 0))) * max(0, min(1 << q, height - cell % ROW));
-  // Asks how many of a cell's n points its first half has, and gives the halves that have some.
+  // Asks how many of a cell's n points its first half has, and gives the halves that have some, with their p and q.
   const halve = (cell, n, p, q, ask, give) => {
     const axis = q > p ? 1 : 0;
     q -= axis;
@@ -111,16 +121,16 @@ function readSites(bits, told, mixed, width, height, n) {
   };
   let cells = new Map([[0, n]]), p = digits(width - 1), q = digits(height - 1);
   for (let dense = digits(n) + 2; dense-- && p + q;) {
-    const deeper = min(31, p + q), axis = q > p ? 1 : 0, sides = [ROW << p, 1 << q], along = sides[axis], across = sides[1 - axis], halves = new Map();
+    const deeper = min(31, p + q), axis = q > p ? 1 : 0, sides = [ROW << p, 1 << q], along = sides[axis], across = sides[1 - axis];
+    const halves = new Map(), whole = (cell) => cells.get(cell) | 0, half = (cell) => halves.get(cell) | 0, give = (cell, n) => halves.set(cell, n);
     for (const [cell, n] of cells) {
-      const q3 = (count) => min(3, count), whole = (k, l) => cells.get(cell + k * along + l * across) | 0;
-      const half = (k, l) => halves.get(cell + k * along / 2 + l * across) | 0;
-      const s1 = half(0, -1), s2 = half(1, -1), far = whole(-1, 1) + whole(1, 1) + whole(1, -1);
-      const near = q3(half(-1, 0)) << 6 | q3(whole(1, 0)) << 4 | q3(s1) << 2 | q3(s2);
-      const wide = min(7, whole(-1, 0)) << 5 | min(7, whole(1, 0)) << 2 | (min(4, deeper) - 1);
-      const others = q3(s1 + s2) << 6 | q3(whole(0, 1)) << 4 | q3(half(-1, -1)) << 2 | q3((far + 1) >> 1);
+      const beside = cell - across, next = cell + along, last = cell - along, s1 = half(beside), s2 = half(beside + along / 2);
+      const far = whole(last + across) + whole(next + across) + whole(next - across);
+      const near = q3(half(cell - along / 2)) << 6 | q3(whole(next)) << 4 | q3(s1) << 2 | q3(s2);
+      const wide = min(7, whole(last)) << 5 | min(7, whole(next)) << 2 | (min(4, deeper) - 1);
+      const others = q3(s1 + s2) << 6 | q3(whole(cell + across)) << 4 | q3(half(beside - along / 2)) << 2 | q3((far + 1) >> 1);
       halve(cell, n, p, q, (kind) => mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0), kind * 1024, near, 256 + wide, 512 + others,
-        768 + axis * 32 + deeper), (...part) => halves.set(...part));
+        768 + axis * 32 + deeper), give);
     }
     cells = halves;
     q -= axis;
@@ -137,7 +147,7 @@ function readSites(bits, told, mixed, width, height, n) {
 // Triangles between points: of each directed edge, at [a][b], EDGE times the round of flips that has made the triangle on its left, and one more
 // than the point across from it there; 0 or nothing beside the border and where there is no edge.
 export function makeTriangles(x, y) {
-  const edges = x.map(() => []);
+  const edges = x.map(() => Array(x.length));
   // The point across from an edge, or -1, and its round.
   const apex = (a, b) => (edges[a][b] & EDGE - 1) - 1;
   const since = (a, b) => edges[a][b] / EDGE | 0;
@@ -150,9 +160,8 @@ export function makeTriangles(x, y) {
   const star = (a, body) => edges[a].forEach((edge, b) => edge && body(b, apex(a, b)));
   // Twice the area of a triangle, positive where c is to the left.
   const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  // Whether d counts as inside of the circle of the positive a, b, c, where `value` is above 0 inside and 0 on it.
-  const isInside = (a, b, c, d, value) => {
-    if (value) return value > 0;
+  // Whether d, on the circle of the positive a, b, c, counts as inside.
+  const countsInside = (a, b, c, d) => {
     const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
     return least === d || turn(other(a), other(b), other(c)) < 0;
   };
@@ -162,9 +171,11 @@ export function makeTriangles(x, y) {
     const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
     let c = -1, areaC, productC;
     for (let d = 0; d < x.length; d++) {
-      // Over the cosine and the sine of the angle at d, what is the same for any point of a circle: this is larger of c where d is inside.
+      // Twice the area with d, and the scalar product of the sides from d to a and b: product / area is the same for all of a circle through
+      // these on the left, and less inside.
       const u = x[d] - p, v = y[d] - q, area = s * v - u * t, product = u * (u - s) + v * (v - t);
-      if (area <= 0 || (c >= 0 && !isInside(a, b, c, d, productC * area - product * areaC))) continue;
+      const value = c < 0 ? 1 : productC * area - product * areaC;
+      if (area <= 0 || value < 0 || (value === 0 && !countsInside(a, b, c, d))) continue;
       c = d;
       areaC = area;
       productC = product;
@@ -186,12 +197,12 @@ export function makeTriangles(x, y) {
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return [apex, turn, star, begin, flip, since, angle, set, isInside];
+  return [apex, turn, star, begin, flip, since, angle, set, countsInside];
 }
 
 function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
   let asked = new Set(), left = 64 * n;
-  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b));
+  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
   for (let a = 0; a < n; a++) star(a, (b) => ask(a, b));
   asked = new Set(Int32Array.from(asked).sort());
   for (let now = 1; asked.size; now++) {
@@ -201,13 +212,13 @@ function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
       const a = edge / n | 0, b = edge % n, c = apex(a, b), d = apex(b, a), madeC = since(a, b), madeD = since(b, a);
       if (c < 0 || d < 0 || madeC === now || madeD === now || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
       const g = angle(c, a, b), h = angle(d, b, a), i = angle(a, d, c), j = angle(b, c, d);
-      const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
+      const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h));
       const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = (madeC === now - 1 ? 1 : 0) + (madeD === now - 1 ? 1 : 0), shape = phase * 16 + (slack >> 2);
       let near = 0;
       for (const [u, v] of sides) near += since(u, v) === now ? 6 : min(1, since(u, v));
       if (!mixed(FLIP_WEIGHTS + shape, 0, ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j),
         NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near)) continue;
-      refuseIf(left-- === 0);
+      refuseIf(!left--);
       flip(a, b, c, d, now);
       for (const [u, v] of sides) ask(u, v);
     }
@@ -238,15 +249,15 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
     let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
     for (let k = 0; k < channels; k++) {
       const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && channel % 3 > 0;
-      const top = step ? 16383 : isDifference ? 510 : 255, first = step && !isDifference ? 2048 : (top + 1) >> 1;
+      const top = step ? 16383 : isDifference ? 510 : 255;
       const unit = max(1, step * fineness * [10, 12, 7, 17][isRgb ? channel : 3] >> 8);
       const weigh = (numbers, from) => near.reduce((sum, [u, weight]) => sum + weight * abs(numbers[u * channels + channel] - from), 0);
-      const size0 = (value) => (value < 4 ? value : 2 + size0(value >> 1));
-      const level = (sum) => (v ? min(18, size0(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
-      const guess = v ? round(weigh(planes, 0) / total) : first;
+      const level = (sum) => (v ? min(18, grade(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
+      const guess = v ? round(weigh(planes, 0) / total) : step && !isDifference ? 2048 : (top + 1) >> 1;
       const spread = level(weigh(planes, guess)), off = level(weigh(missed, 0));
       const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
-      const largest = digits(max(guess, top - guess) / unit), isMore = (set) => mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place);
+      const largest = digits(max(guess, top - guess) / unit);
+      const isMore = (set) => mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place);
       let size = 0, sign = 0;
       while (size < largest && isMore(channel * 16 + size)) size++;
       if (size) sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
@@ -275,8 +286,7 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
 }
 
 // The mesh of the bytes of a bare compact file; throws where they are none. `told`: width and height, px, where the bytes leave them out.
-export function readBare(bytes, told) {
-  if (!logarithms) makeLogarithms();
+export function readBare(bytes, told = []) {
   let at = 1;
   const varint = (place = 1) => {
     const byte = bytes[at++];

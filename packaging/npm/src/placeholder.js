@@ -7,14 +7,14 @@ import { ceil, max, min, readBare, refuseIf, round } from './bare.js';
 
 const LARGEST = 4096;  // characters of a text; of more no mesh of MOST_POINTS is made
 
-// Of either alphabet of base64.
+// From either alphabet of base64.
 const toBytes = (text) => Uint8Array.from(atob(text.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0));
 
+// The mesh, or null whatever is wrong with the data: no base64, no bytes, or none of a mesh.
 function read(data, size) {
   try {
-    refuseIf(!(data.length <= LARGEST));
     const bytes = typeof data === 'string' ? toBytes(data) : data;
-    refuseIf(!(bytes instanceof Uint8Array));
+    refuseIf(!(bytes instanceof Uint8Array && data.length <= LARGEST));
     return readBare(bytes, size);
   } catch {
     return null;
@@ -74,16 +74,8 @@ export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
   return { data: Uint8ClampedArray.from(shaded, (x, i) => 255 * x / (i % 4 < 3 && shaded[i | 3] || 1)), width, height };
 }
 
+// The bytes of 32 bits.
 const word = (x) => [24, 16, 8, 0].map((k) => x >>> k & 255);
-
-function checksum(bytes) {
-  let crc = -1;
-  for (const byte of bytes) {
-    crc ^= byte;
-    for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
-  }
-  return word(~crc);
-}
 
 // A PNG that compresses nothing: so small a picture is not worth the code.
 function toPng({ data, width, height }) {
@@ -95,7 +87,14 @@ function toPng({ data, width, height }) {
   let a = 1, b = 0;
   for (const byte of rows) b = (b + (a = (a + byte) % 65521)) % 65521;
   const size = rows.length, png = [137, 80, 78, 71, 13, 10, 26, 10];
-  const chunk = (...bytes) => png.push(...word(bytes.length - 4), ...bytes, ...checksum(bytes));
+  const chunk = (...bytes) => {
+    let crc = -1;
+    for (const byte of bytes) {
+      crc ^= byte;
+      for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    png.push(...word(bytes.length - 4), ...bytes, ...word(~crc));
+  };
   chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, 6, 0, 0, 0);
   chunk(73, 68, 65, 84, 120, 1, 1, ...word(~size << 16 | size).reverse(), ...rows, ...word(b * 65536 + a));
   chunk(73, 69, 78, 68);
@@ -120,8 +119,8 @@ export function paint(image, options) {
 export function watch(root = document, options) {
   const idle = globalThis.requestIdleCallback ?? setTimeout;
   let isOver;
-  const near = new IntersectionObserver((entries) => entries.forEach(({ isIntersecting, target }) => {
-    if (isIntersecting) idle(() => isOver || paint(target, options), { timeout: 100 });
+  const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
+    if (entry.isIntersecting) idle(() => isOver || paint(entry.target, options), { timeout: 100 });
   }), { rootMargin: '50%' });
   const find = () => root.querySelectorAll('img[data-mesh]').forEach((image) => near.observe(image));
   const added = new MutationObserver(find);
