@@ -171,11 +171,11 @@ export function makeTriangles(x, y) {
     const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
     let c = -1, areaC, productC;
     for (let d = 0; d < x.length; d++) {
-      // Twice the area with d, and the scalar product of the sides from d to a and b: product / area is the same for all of a circle through
-      // these on the left, and less inside.
-      const u = x[d] - p, v = y[d] - q, area = s * v - u * t, product = u * (u - s) + v * (v - t);
-      const value = c < 0 ? 1 : productC * area - product * areaC;
-      if (area <= 0 || value < 0 || (value === 0 && !countsInside(a, b, c, d))) continue;
+      const u = x[d] - p, v = y[d] - q, area = s * v - u * t;
+      if (area <= 0) continue;
+      // The scalar product of the sides from d to a and b over the area is the same all along a circle, and less inside.
+      const product = u * (u - s) + v * (v - t), value = c < 0 ? 1 : productC * area - product * areaC;
+      if (value < 0 || (value === 0 && !countsInside(a, b, c, d))) continue;
       c = d;
       areaC = area;
       productC = product;
