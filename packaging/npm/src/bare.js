@@ -244,7 +244,8 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
     const before = [...known].filter((u) => u < v), nearest = min(2 ** 26, ...before.map(distance));
     const near = before.map((u) => [u, max(1, 4096 * nearest / distance(u) | 0)]);
     if (!near.length && v) near.push([v - 1, 1]);
-    const total = near.reduce((sum, [, weight]) => sum + weight, 0);
+    let total = 0;
+    for (const [, weight] of near) total += weight;
     const fineness = sqrt(max(16, min(4096, mean / area))) | 0;
     let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
     for (let k = 0; k < channels; k++) {
@@ -278,7 +279,7 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
     if (hasAlpha) color.push(planes[at + channels - 1]);
     for (const number of color) {
       const value = step ? min(255, (max(0, number) + 8) >> 4) : number;
-      refuseIf(value < 0 || value > 255);
+      refuseIf(value >> 8);  // below 0 or above 255
       colors.push(value);
     }
   }
@@ -293,8 +294,8 @@ export function readBare(bytes, told = []) {
     refuseIf(place > 16384 || (place > 1 && !byte));
     return place * (byte & 127) + (byte < 128 ? 0 : varint(128 * place));
   };
-  const [first] = bytes, version = first >> 4;
-  refuseIf(version !== 1 && version !== 2);
+  const first = bytes[0], version = first >> 4;
+  refuseIf(version < 1 || version > 2);
   const [width, height] = version < 2 ? [varint(), varint()] : told, step = varint(), colorStep = varint();
   refuseIf(!(min(width, height, step) >= 1 && max(width, height) <= MOST_PIXELS && step <= 65536 && colorStep < 4096));
   const columns = ceil(width / step) - 1, rows = ceil(height / step) - 1, x = [0, width, width, 0], y = [0, 0, height, height];

@@ -50,9 +50,8 @@ function shade({ positions, colors, indices, channels, premultiplied, linear, wi
       for (let x = from(0); x <= to(0, width - 1); x++) {
         const u = side(b, c, x, y) / area, v = side(c, a, x, y) / area, t = 1 - u - v;
         if (u < -1e-6 || v < -1e-6 || t < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
-        const mixed = (k) => u * a[k] + v * b[k] + t * c[k], alpha = mixed(5);
-        const color = [2, 3, 4].map((k) => (linear ? fromLight(mixed(k)) : mixed(k)) * (premultiplied ? 1 : alpha));
-        pixels.set([...color, alpha], 4 * (y * width + x));
+        const mixed = (k) => u * a[2 + k] + v * b[2 + k] + t * c[2 + k], at = 4 * (y * width + x), alpha = pixels[at + 3] = mixed(3);
+        for (let k = 0; k < 3; k++) pixels[at + k] = (linear ? fromLight(mixed(k)) : mixed(k)) * (premultiplied ? 1 : alpha);
       }
   }
   return pixels;
@@ -71,7 +70,9 @@ export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
   const width = side(mesh.width), height = side(mesh.height);
   let shaded = shade(mesh, width, height);
   for (let k = 0; k < softness; k++) shaded = soften(soften(shaded, width, 4), height, 4 * width);
-  return { data: Uint8ClampedArray.from(shaded, (x, i) => 255 * x / (i % 4 < 3 && shaded[i | 3] || 1)), width, height };
+  const data = new Uint8ClampedArray(shaded.length);
+  shaded.forEach((x, i) => { data[i] = 255 * x / (i % 4 < 3 && shaded[i | 3] || 1); });
+  return { data, width, height };
 }
 
 // The bytes of 32 bits.
