@@ -1,7 +1,9 @@
 // Reads the bare profile of compact files, bit for bit what the library's reader makes of it: docs/compact.md has every rule that stands
-// here, by the same names. Whole numbers alone; none is above 2^53, so that every engine decides alike.
+// here, by the same names. Whole numbers alone, and quotients of them that are made whole at once; none is above 2^53, so that every engine
+// decides alike. Parts are handed on in arrays, by their places, since minifiers shorten no names of properties.
 //
-// Work is O(n^2) in the number of points and memory 6 n^2 bytes, n <= MOST_POINTS: 0.7 ms and 30 kB of 70 points, which 200 bytes hold.
+// Work is O(n^2) in the number of points, n <= MOST_POINTS, and memory 8 n^2 bytes beside 430 kB of contexts: 0.7 ms and 50 kB of 80 points,
+// which 200 bytes hold. Loops that are run for each bit are plain: a page decodes little, and most of it before its engine has compiled this.
 
 export const MOST_POINTS = 1024;  // corners among them
 const MOST_PIXELS = 4096;  // of a side: signs of circles are exact up to these
@@ -13,163 +15,153 @@ const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANG
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-export const { max, min, abs, ceil, floor, round, trunc, exp, tan, sqrt, PI } = Math;
+export const { max, min, abs, ceil, floor, round, exp, log, tan, sqrt, PI } = Math;
 // Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
 const table = (size, body) => Array.from({ length: size }, (_, k) => round(body(k)));
-const LOGISTIC = table(45, (k) => 65536 / (1 + exp(-k / 4)));
+const LOGISTIC = table(46, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
+const q3 = (count) => min(3, count);
+const grade = (value) => (value < 4 ? value : 2 + grade(value >> 1));  // two of each number of digits
 const held = (x, most) => max(-most, min(most, x));
-const refuse = () => { throw 0; };  // caught by readBare() alone
+// Where this throws, there is no mesh.
+export const refuseIf = (isWrong) => { if (isWrong) throw 0; };
 
+// In 65536ths, of a logarithm from -2816 to 2816.
 function probability(s) {
-  const size = abs(s), k = size >> 6, r = size & 63;
-  const p = size >= 2816 ? 65535 : (LOGISTIC[k] * (64 - r) + LOGISTIC[k + 1] * r) >> 6;
+  const k = abs(s) >> 6, r = abs(s) & 63, p = LOGISTIC[k] * (64 - r) + LOGISTIC[k + 1] * r >> 6;
   return s < 0 ? 65536 - p : p;
 }
 
-let logarithms;
-function makeLogarithms() {
-  let s = -2816;
-  return Int16Array.from({ length: 4096 }, (_, k) => {
-    while (s < 2816 && probability(s) < 16 * k + 8) s++;
-    return s;
-  });
+// The least logarithm whose probability is 16 k + 8 at least: the curve itself is some steps from it at most, which whole numbers then find.
+function logarithm(k) {
+  const p = 16 * k + 8;
+  let s = round(256 * log(p / (65536 - p)));
+  while (probability(s) < p) s++;
+  while (probability(s - 1) >= p) s--;
+  return s;
 }
+const logarithms = Array(4096);  // those of k that have been asked for, some hundreds
 
-// The arithmetic code from bytes[at] on, with its contexts: a context is its q less 2^21 in units of 256, and its count.
+// The arithmetic code from bytes[at] on, with its contexts: what each is, less 2^21, and its count.
 function openCode(bytes, at) {
-  const contexts = new Int32Array(CONTEXTS), weights = new Int32Array(4 * WEIGHTS);
-  let low = 0, high = 0xffffffff, code = 0, missing = 0;
+  const contexts = new Int32Array(CONTEXTS), seen = new Uint8Array(CONTEXTS), weights = new Int32Array(4 * WEIGHTS), logs = new Int32Array(4);
+  let low = 0, high = 0xffffffff, code = 0;
   const shift = () => {
     low = low << 8 >>> 0;
     high = (high << 8 | 255) >>> 0;
-    if (at >= bytes.length && ++missing > 4) refuse();
-    code = (code << 8 | (at < bytes.length ? bytes[at++] : 0)) >>> 0;
+    code = (code << 8 | bytes[at++]) >>> 0;  // zeros behind the end
+    refuseIf(at > bytes.length + 4);
   };
   const raw = (p) => {
-    const range = high - low, middle = low + (range >>> 16) * p + ((range & 65535) * p >>> 16), bit = code <= middle;
+    const middle = low + floor((high - low) * p / 65536), bit = code <= middle ? 1 : 0;
     if (bit) high = middle;
     else low = middle + 1;
-    while ((low ^ high) >>> 24 === 0) shift();
-    return bit ? 1 : 0;
+    while (!((low ^ high) >>> 24)) shift();
+    return bit;
   };
-  const q = (context) => 2097152 + (contexts[context] >> 8);
   const learn = (context, bit) => {
-    const count = contexts[context] & 255, before = q(context);
-    const way = trunc(trunc((bit * 4194303 - before) / 8) * floor(16384 / (2 * count + 3)) / 1024);
-    contexts[context] = (before + way - 2097152) * 256 + min(count + 1, 160);
+    const count = seen[context], way = (bit ? 2097151 : -2097152) - contexts[context];
+    contexts[context] += (way / 8 | 0) * (16384 / (2 * count + 3) | 0) / 1024 | 0;
+    seen[context] = min(count + 1, 160);
   };
   for (let k = 0; k < 4; k++) shift();
   weights.fill(21845).fill(26000, 4 * FLIP_WEIGHTS, 4 * COLOR_WEIGHTS);
-  const bits = (count) => {
-    let value = 0;
+  const bits = (count, value = 0) => {
     while (count-- > 0) value = 2 * value + raw(32768);
     return value;
   };
   const told = (context) => {
-    const bit = raw(max(1, q(context) >> 6));
+    const bit = raw(max(1, 32768 + (contexts[context] >> 6)));
     learn(context, bit);
     return bit;
   };
-  const mixed = (set, names) => {
-    const logs = names.map((name) => logarithms[q(name) >> 10]);
-    const p = probability(held(trunc(logs.reduce((sum, log, k) => sum + weights[4 * set + k] * log, 0) / 65536), 2816)), bit = raw(p);
-    names.forEach((name, k) => {
-      weights[4 * set + k] = held(weights[4 * set + k] + trunc(logs[k] * (bit * 65536 - p) / 16384), 524288);
-      learn(name, bit);
-    });
+  // A bit by all contexts `base` + name, of which each counts by its weight in the set.
+  const mixed = (set, base, ...names) => {
+    let sum = 0;
+    for (let k = 0; k < names.length; k++) {
+      const q = 2048 + (contexts[base + names[k]] >> 10);
+      sum += weights[4 * set + k] * (logs[k] = logarithms[q] ??= logarithm(q));
+    }
+    const p = probability(held(sum / 65536 | 0, 2816)), bit = raw(p);
+    for (let k = 0; k < names.length; k++) {
+      weights[4 * set + k] = held(weights[4 * set + k] + (logs[k] * (bit * 65536 - p) / 16384 | 0), 524288);
+      learn(base + names[k], bit);
+    }
     return bit;
   };
   // Whether the bytes end as their writer ends them.
   const ends = () => {
-    for (let size = 0; ; size++) {
-      const unit = 2 ** (32 - 8 * size), tail = ceil(low / unit) * unit;
-      if (tail <= high) return at === bytes.length && missing + size === 4 && code === tail;
-    }
+    let unit = 2 ** 32;
+    for (; ceil(low / unit) * unit > high; unit /= 256) at++;
+    return at === bytes.length + 4 && code === ceil(low / unit) * unit;
   };
   return [bits, told, mixed, ends];
 }
 
-function readCounts([bits, told]) {
-  const rest = (size) => (size ? 2 ** (size - 1) + bits(size - 1) : 0), inside = rest(bits(5)), counts = [];
-  while (counts.length < 4) {
-    let size = 0;
-    while (size < 31 && told(COUNTS + size)) size++;
-    counts.push(rest(size));
-  }
-  return [...counts, inside];
-}
-
-// n sites of width x height, as [x, y]. A cell is named by ROW x + y of its level.
-function readSites([bits, told, mixed], width, height, n) {
-  const left = [digits(width - 1), digits(height - 1)], axes = [], sides = [[...left]], sites = [];
-  while (left[0] + left[1]) {
-    const a = left[1] > left[0] ? 1 : 0;
-    axes.push(a);
-    left[a]--;
-    sides.push([...left]);
-  }
-  const inside = (side, at, size) => max(0, min(1 << side, size - (at << side)));
-  const room = (level, cell) => inside(sides[level][0], floor(cell / ROW), width) * inside(sides[level][1], cell % ROW, height);
-  const first = (level, cell) => cell + (axes[level] ? cell % ROW : cell - cell % ROW), unit = (level) => (axes[level] ? 1 : ROW);
-  // The two halves of a cell, and how many of its points each has.
-  const halve = (level, [cell, n], ask) => {
-    const one = first(level, cell), two = one + unit(level++);
-    let least = max(0, n - room(level, two)), most = min(n, room(level, one));
+// n sites of width x height. A site is named ROW x + y, and a cell by its first site; it has 2^p x 2^q, those outside too.
+function readSites(bits, told, mixed, width, height, n) {
+  const room = (cell, p, q) => max(0, min(1 << p, width - (cell / ROW | 0))) * max(0, min(1 << q, height - cell % ROW));
+  // Asks how many of a cell's n points its first half has, and gives the halves that have some, with their p and q.
+  const halve = (cell, n, p, q, ask, give) => {
+    const axis = q > p ? 1 : 0;
+    q -= axis;
+    p -= 1 - axis;
+    const other = cell + (axis ? 1 << q : ROW << p);
+    let least = max(0, n - room(other, p, q)), most = min(n, room(cell, p, q));
     for (let node = 1; least < most;) {
       const middle = (least + most) >> 1;
       const bit = ask(n < 2 ? 0 : n < 4 ? 3 * n - 6 + min(3, node) : 8 + 8 * min(4, digits(n) - 3) + min(7, node));
       if (bit) least = middle + 1;
       else most = middle;
-      node = min(8, 2 * node + bit);
+      node += node + bit;
     }
-    return [[one, least], [two, n - least]].filter((half) => half[1]);
+    if (least) give(cell, least, p, q);
+    if (n > least) give(other, n - least, p, q);
   };
-  const dense = min(axes.length, digits(n) + 2);
-  let cells = new Map([[0, n]]);
-  for (let level = 0; level < dense; level++) {
-    const deeper = min(31, axes.length - level), along = unit(level), across = ROW + 1 - along, halves = new Map();
-    for (const cell of cells) {
-      const q3 = (count) => min(3, count), whole = (k, l) => cells.get(cell[0] + k * along + l * across) | 0;
-      const half = (k, l) => halves.get(first(level, cell[0]) + k * along + l * across) | 0;
-      const s1 = half(0, -1), s2 = half(1, -1), far = whole(-1, 1) + whole(1, 1) + whole(1, -1);
-      const near = q3(half(-1, 0)) << 6 | q3(whole(1, 0)) << 4 | q3(s1) << 2 | q3(s2);
-      const wide = min(7, whole(-1, 0)) << 5 | min(7, whole(1, 0)) << 2 | (min(4, deeper) - 1);
-      const others = q3(s1 + s2) << 6 | q3(whole(0, 1)) << 4 | q3(half(-1, -1)) << 2 | q3((far + 1) >> 1);
-      halve(level, cell, (kind) => mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0),
-        [near, 256 + wide, 512 + others, 768 + axes[level] * 32 + deeper].map((name) => kind * 1024 + name)))
-        .forEach((part) => halves.set(...part));
+  let cells = new Map([[0, n]]), p = digits(width - 1), q = digits(height - 1);
+  for (let dense = digits(n) + 2; dense-- && p + q;) {
+    const deeper = min(31, p + q), axis = q > p ? 1 : 0, sides = [ROW << p, 1 << q], along = sides[axis], across = sides[1 - axis];
+    const halves = new Map(), whole = (cell) => cells.get(cell) | 0, half = (cell) => halves.get(cell) | 0, give = (cell, n) => halves.set(cell, n);
+    for (const [cell, n] of cells) {
+      const beside = cell - across, next = cell + along, last = cell - along, s1 = half(beside), s2 = half(beside + along / 2);
+      const far = whole(last + across) + whole(next + across) + whole(next - across);
+      const near = q3(half(cell - along / 2)) << 6 | q3(whole(next)) << 4 | q3(s1) << 2 | q3(s2);
+      const wide = min(7, whole(last)) << 5 | min(7, whole(next)) << 2 | (min(4, deeper) - 1);
+      const others = q3(s1 + s2) << 6 | q3(whole(cell + across)) << 4 | q3(half(beside - along / 2)) << 2 | q3((far + 1) >> 1);
+      halve(cell, n, p, q, (kind) => mixed(SITE_WEIGHTS + 2 * kind + (deeper < 4 ? 1 : 0), kind * 1024, near, 256 + wide, 512 + others,
+        768 + axis * 32 + deeper), give);
     }
     cells = halves;
+    q -= axis;
+    p -= 1 - axis;
   }
-  const split = (level, cell) => {
-    if (level === axes.length) sites.push([floor(cell[0] / ROW), cell[0] % ROW]);
-    else halve(level, cell, (kind) => (kind ? told(INNER + 2 * kind + axes[level]) : bits(1))).forEach((part) => split(level + 1, part));
+  const sites = [], split = (cell, n, p, q) => {
+    if (p + q) halve(cell, n, p, q, (kind) => (kind ? told(INNER + 2 * kind + (q > p ? 1 : 0)) : bits(1)), split);
+    else sites.push(cell);
   };
-  for (const cell of cells) split(dense, cell);
+  for (const [cell, n] of cells) split(cell, n, p, q);
   return sites;
 }
 
-// Triangles between points: of each directed edge from a to b, at a n + b, EDGE times the round of flips that has made the triangle on its
-// left, and one more than the point across from it there; 0 beside the border.
+// Triangles between points: of each directed edge, at [a][b], EDGE times the round of flips that has made the triangle on its left, and one more
+// than the point across from it there; 0 or nothing beside the border and where there is no edge.
 export function makeTriangles(x, y) {
-  const n = x.length, edges = new Int32Array(n * n);
+  const edges = x.map(() => Array(x.length));
   // The point across from an edge, or -1, and its round.
-  const apex = (a, b) => (edges[a * n + b] & EDGE - 1) - 1;
-  const since = (a, b) => trunc(edges[a * n + b] / EDGE);
+  const apex = (a, b) => (edges[a][b] & EDGE - 1) - 1;
+  const since = (a, b) => edges[a][b] / EDGE | 0;
   const set = (a, b, c, round) => {
-    edges[a * n + b] = EDGE * round + c + 1;
-    edges[b * n + c] = EDGE * round + a + 1;
-    edges[c * n + a] = EDGE * round + b + 1;
+    edges[a][b] = EDGE * round + c + 1;
+    edges[b][c] = EDGE * round + a + 1;
+    edges[c][a] = EDGE * round + b + 1;
   };
+  // Calls body() with every triangle at a point, by its other two in the order of the first.
+  const star = (a, body) => edges[a].forEach((edge, b) => edge && body(b, apex(a, b)));
   // Twice the area of a triangle, positive where c is to the left.
   const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  // Whether d counts as inside of the circle of the positive a, b, c.
-  const isInside = (a, b, c, d) => {
-    const p = x[a] - x[d], q = y[a] - y[d], s = x[b] - x[d], t = y[b] - y[d], v = x[c] - x[d], w = y[c] - y[d];
-    const value = (p * p + q * q) * (s * w - t * v) + (s * s + t * t) * (v * q - w * p) + (v * v + w * w) * (p * t - q * s);
-    if (value) return value > 0;
+  // Whether d, on the circle of the positive a, b, c, counts as inside.
+  const countsInside = (a, b, c, d) => {
     const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
     return least === d || turn(other(a), other(b), other(c)) < 0;
   };
@@ -177,8 +169,17 @@ export function makeTriangles(x, y) {
   const begin = (a, b) => {
     if (apex(a, b) >= 0) return;
     const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
-    let c = -1;
-    for (let d = 0; d < n; d++) if (s * (y[d] - q) > (x[d] - p) * t && (c < 0 || isInside(a, b, c, d))) c = d;
+    let c = -1, areaC, productC;
+    for (let d = 0; d < x.length; d++) {
+      const u = x[d] - p, v = y[d] - q, area = s * v - u * t;
+      if (area <= 0) continue;
+      // The scalar product of the sides from d to a and b over the area is the same all along a circle, and less inside.
+      const product = u * (u - s) + v * (v - t), value = c < 0 ? 1 : productC * area - product * areaC;
+      if (value < 0 || (value === 0 && !countsInside(a, b, c, d))) continue;
+      c = d;
+      areaC = area;
+      productC = product;
+    }
     if (c < 0) return;
     set(a, b, c, 0);
     begin(a, c);
@@ -188,153 +189,144 @@ export function makeTriangles(x, y) {
   const angle = (p, q, r) => {
     const area = turn(p, q, r), t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
     let k = 0;
-    while (k < 31 && abs(t) < COTANGENTS[k] * area) k++;
+    for (let step = 16; step; step >>= 1) if (abs(t) < COTANGENTS[k + step - 1] * area) k += step;
     return t < 0 ? 63 - k : k;
   };
   const flip = (a, b, c, d, round) => {
-    edges[a * n + b] = edges[b * n + a] = 0;
+    edges[a][b] = edges[b][a] = 0;
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return { x, y, n, apex, since, set, turn, isInside, begin, angle, flip };
+  return [apex, turn, star, begin, flip, since, angle, set, countsInside];
 }
 
-function readFlips([, , mixed], { n, apex, since, turn, angle, flip }) {
+function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
   let asked = new Set(), left = 64 * n;
-  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b));
-  for (let a = 0; a < n; a++) for (let b = a + 1; b < n; b++) if (apex(a, b) >= 0 || apex(b, a) >= 0) ask(a, b);
+  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
+  for (let a = 0; a < n; a++) star(a, (b) => ask(a, b));
+  asked = new Set(Int32Array.from(asked).sort());
   for (let now = 1; asked.size; now++) {
     const edges = asked;
     asked = new Set();
     for (const edge of edges) {
-      const a = floor(edge / n), b = edge % n, c = apex(a, b), d = apex(b, a), made = [since(a, b), since(b, a)];
-      if (c < 0 || d < 0 || made.includes(now) || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
+      const a = edge / n | 0, b = edge % n, c = apex(a, b), d = apex(b, a), madeC = since(a, b), madeD = since(b, a);
+      if (c < 0 || d < 0 || madeC === now || madeD === now || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
       const g = angle(c, a, b), h = angle(d, b, a), i = angle(a, d, c), j = angle(b, c, d);
-      const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
-      const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = made.filter((at) => at === now - 1).length, shape = phase * 16 + (slack >> 2);
+      const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h));
+      const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = (madeC === now - 1 ? 1 : 0) + (madeD === now - 1 ? 1 : 0), shape = phase * 16 + (slack >> 2);
       let near = 0;
       for (const [u, v] of sides) near += since(u, v) === now ? 6 : min(1, since(u, v));
-      if (!mixed(FLIP_WEIGHTS + shape,
-        [ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j), NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near])) continue;
-      if (left-- === 0) refuse();
+      if (!mixed(FLIP_WEIGHTS + shape, 0, ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j),
+        NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near)) continue;
+      refuseIf(!left--);
       flip(a, b, c, d, now);
       for (const [u, v] of sides) ask(u, v);
     }
   }
 }
 
-// Of all points, `channels` colours each, 0 to 255. `step` is that of coarse colours, 0 of exact ones; `mean` is 1536 times the mean area of points.
-function readColors([bits, told, mixed], mesh, channels, step, mean) {
-  const { n, x, y } = mesh, planes = new Int32Array(n * channels), missed = new Int32Array(n * channels);
-  const colors = new Int32Array(n * channels), isRgb = channels > 2, hasAlpha = channels % 2 === 0;
+// Of all points, colours of three channels, or of four with alpha. `channels` are those of the file; `step` is that of coarse colours, 0 of exact
+// ones; `mean` is 1536 times the mean area of points.
+function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mean) {
+  const n = x.length, planes = new Int32Array(n * channels), missed = new Int32Array(n * channels);
+  const colors = [], isRgb = channels > 2, hasAlpha = channels % 2 === 0;
   for (let v = 0; v < n; v++) {
+    const known = new Set();
     let area = 0;
-    for (let u = 0; u < n; u++) if (mesh.apex(v, u) >= 0) area += mesh.turn(v, u, mesh.apex(v, u));
-    const fineness = floor(sqrt(max(16, min(4096, floor(mean / area)))));
-    let near = [], nearest = 2 ** 26, total = 0;
-    for (let u = 0; u < v; u++) {
-      if (mesh.apex(u, v) < 0 && mesh.apex(v, u) < 0) continue;
-      const dx = 256 * abs(x[u] - x[v]), dy = 256 * abs(y[u] - y[v]), distance = max(dx, dy) + floor(3 * min(dx, dy) / 8);
-      near.push([u, distance]);
-      nearest = min(nearest, distance);
-    }
-    near = near.map(([u, distance]) => [u, max(1, floor(4096 * nearest / distance))]);
+    star(v, (u, w) => {
+      area += turn(v, u, w);
+      known.add(u).add(w);
+    });
+    const distance = (u) => {
+      const dx = abs(x[u] - x[v]), dy = abs(y[u] - y[v]);
+      return 256 * max(dx, dy) + 96 * min(dx, dy);
+    };
+    const before = [...known].filter((u) => u < v), nearest = min(2 ** 26, ...before.map(distance));
+    const near = before.map((u) => [u, max(1, 4096 * nearest / distance(u) | 0)]);
     if (!near.length && v) near.push([v - 1, 1]);
+    let total = 0;
     for (const [, weight] of near) total += weight;
+    const fineness = sqrt(max(16, min(4096, mean / area))) | 0;
     let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
     for (let k = 0; k < channels; k++) {
-      const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && (channel === 1 || channel === 2);
-      const top = step ? 16383 : isDifference ? 510 : 255, first = isDifference ? 8192 : 2048;
-      const unit = step ? max(1, floor(step * fineness * (isRgb ? [10, 12, 7, 17][channel] : 17) / 256)) : 1;
-      const weigh = (value) => near.reduce((sum, [u, weight]) => sum + weight * value(u * channels + channel), 0);
-      const level = (sum) => {
-        if (!near.length) return 19;
-        const value = floor(sum / (floor(total * unit / 4) + 1)), size = digits(value);
-        return min(18, value < 2 ? value : 2 * size - 2 + (value >> (size - 2) & 1));
-      };
-      const guess = near.length ? floor((weigh((at) => planes[at]) + floor(total / 2)) / total) : step ? first : (top + 1) >> 1;
-      const spread = level(weigh((at) => abs(planes[at] - guess))), off = level(weigh((at) => missed[at]));
+      const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && channel % 3 > 0;
+      const top = step ? 16383 : isDifference ? 510 : 255;
+      const unit = max(1, step * fineness * [10, 12, 7, 17][isRgb ? channel : 3] >> 8);
+      const weigh = (numbers, from) => near.reduce((sum, [u, weight]) => sum + weight * abs(numbers[u * channels + channel] - from), 0);
+      const level = (sum) => (v ? min(18, grade(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
+      const guess = v ? round(weigh(planes, 0) / total) : step && !isDifference ? 2048 : (top + 1) >> 1;
+      const spread = level(weigh(planes, guess)), off = level(weigh(missed, 0));
       const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
-      let size = 0, value = 0, sign = 0;
-      for (const largest = digits(floor(max(guess, top - guess) / unit)); size < largest; size++) {
-        const set = channel * 16 + size, at = COLORS + set * 220;
-        if (!mixed(COLOR_WEIGHTS + set, [at + spread, at + 20 + off, at + 40 + other, at + 60 + place])) break;
-      }
-      if (size) {
-        sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
-        value = 1;
-        for (let left = size - 1; left--;) value = 2 * value + (value < 4 ? told(DIGITS + (channel * 16 + size) * 4 + value) : bits(1));
-      }
-      value *= unit;
-      const number = sign > 1 ? guess - value : guess + value, at = v * channels + channel;
-      if (number < 0 || number > top) refuse();
-      planes[at] = colors[at] = number;
-      missed[at] = value;
-      [size2, size1, sign2, sign1] = [size1, size, sign1, sign];
+      const largest = digits(max(guess, top - guess) / unit);
+      const isMore = (set) => mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place);
+      let size = 0, sign = 0;
+      while (size < largest && isMore(channel * 16 + size)) size++;
+      if (size) sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
+      let value = min(1, size);
+      for (let k = 1; k < size; k++) value += value + (value < 4 ? told(DIGITS + (channel * 16 + size) * 4 + value) : bits(1));
+      const at = v * channels + channel;
+      missed[at] = value *= unit;
+      planes[at] = sign > 1 ? guess - value : guess + value;
+      refuseIf(planes[at] < 0 || planes[at] > top);
+      size2 = size1;
+      size1 = size;
+      sign2 = sign1;
+      sign1 = sign;
     }
-    const at = v * channels;
-    if (isRgb) {
-      const zero = step ? 8192 : 255, o = planes[at + 1] - zero, green = planes[at + 2] - zero;
-      const m = planes[at] - (step ? -2 * green : green >> 1), b = step ? planes[at] - o - green : m - (o >> 1);
-      colors.set([step ? b + 2 * o : b + o, step ? m : green + m, b], at);
-    }
-    for (let k = at; k < at + channels; k++) {
-      if (step) colors[k] = min(255, (max(0, colors[k]) + 8) >> 4);
-      else if (colors[k] < 0 || colors[k] > 255) refuse();
+    const at = v * channels, zero = step ? 8192 : 255, luma = planes[at], o = planes[at + 1] - zero, green = planes[at + 2] - zero;
+    const m = luma - (green >> 1), blue = m - (o >> 1);
+    const color = !isRgb ? [luma, luma, luma] : step ? [luma + o - green, luma + 2 * green, luma - o - green] : [blue + o, m + green, blue];
+    if (hasAlpha) color.push(planes[at + channels - 1]);
+    for (const number of color) {
+      const value = step ? min(255, (max(0, number) + 8) >> 4) : number;
+      refuseIf(value >> 8);  // below 0 or above 255
+      colors.push(value);
     }
   }
   return colors;
 }
 
-function read(bytes, told) {
+// The mesh of the bytes of a bare compact file; throws where they are none. `told`: width and height, px, where the bytes leave them out.
+export function readBare(bytes, told = []) {
   let at = 1;
-  const varint = () => {
-    for (let value = 0, k = 0; k < 3; k++) {
-      const byte = bytes[at++];
-      value += (byte & 127) * 128 ** k;
-      if (byte < 128) return byte || !k ? value : refuse();
-    }
-    return refuse();
+  const varint = (place = 1) => {
+    const byte = bytes[at++];
+    refuseIf(place > 16384 || (place > 1 && !byte));
+    return place * (byte & 127) + (byte < 128 ? 0 : varint(128 * place));
   };
-  const [first] = bytes, version = first >> 4;
-  if (version !== 1 && version !== 2) return null;
+  const first = bytes[0], version = first >> 4;
+  refuseIf(version < 1 || version > 2);
   const [width, height] = version < 2 ? [varint(), varint()] : told, step = varint(), colorStep = varint();
-  if (!(width >= 1 && width <= MOST_PIXELS && height >= 1 && height <= MOST_PIXELS && step >= 1 && step <= 65536 && colorStep < 4096)) return null;
-  const columns = ceil(width / step), rows = ceil(height / step);
-  const channels = (first & 3) + 1, code = openCode(bytes, at), counts = readCounts(code);
-  const room = [columns - 1, rows - 1, columns - 1, rows - 1, (columns - 1) * (rows - 1)];
-  const n = counts.reduce((sum, count, k) => (count > room[k] ? refuse() : sum + count), 4);
-  if (n > MOST_POINTS) return null;
-  const sites = [[0, 0], [columns, 0], [columns, rows], [0, rows]];
+  refuseIf(!(min(width, height, step) >= 1 && max(width, height) <= MOST_PIXELS && step <= 65536 && colorStep < 4096));
+  const columns = ceil(width / step) - 1, rows = ceil(height / step) - 1, x = [0, width, width, 0], y = [0, 0, height, height];
+  const [bits, tell, mixed, ends] = openCode(bytes, at);
+  // Numbers of points: inside, which are first in the code and last here, and along each side.
+  const rest = (size) => size && bits(size - 1, 1), inside = rest(bits(5)), sizes = [[columns, 1], [rows, 1], [columns, 1], [rows, 1], [columns, rows]];
+  const counts = [0, 1, 2, 3].map(() => {
+    let size = 0;
+    while (size < 31 && tell(COUNTS + size)) size++;
+    return rest(size);
+  });
+  counts.push(inside);
+  let n = 4;
+  counts.forEach((count, k) => refuseIf(count > sizes[k][0] * sizes[k][1] || (n += count) > MOST_POINTS));
   counts.forEach((count, k) => {
     if (!count) return;
-    for (const [x, y] of k < 4 ? readSites(code, room[k], 1, count) : readSites(code, columns - 1, rows - 1, count))
-      sites.push([[x + 1, 0], [columns, x + 1], [x + 1, rows], [0, x + 1], [x + 1, y + 1]][k]);
+    for (const site of readSites(bits, tell, mixed, ...sizes[k], count)) {
+      const i = step * (1 + site / ROW | 0), j = step * (1 + site % ROW);
+      x.push([i, width, i, 0, i][k]);
+      y.push([0, i, height, i, j][k]);
+    }
   });
-  const mesh = makeTriangles(...[width, height].map((size, axis) => sites.map((site) => min(size, step * site[axis]))));
-  mesh.begin(0, counts[0] ? 4 : 1);
-  readFlips(code, mesh);
-  const numbers = readColors(code, mesh, channels, colorStep, floor(1536 * width * height / n));
-  if (!code[3]()) return null;
-  const indices = [];
-  for (let a = 0; a < n; a++)
-    for (let b = a + 1; b < n; b++) if (mesh.apex(a, b) > a) indices.push(a, b, mesh.apex(a, b));
-  const more = channels < 3 ? 2 : 0, to = channels + more;  // gray is three channels
-  const colors = Uint8Array.from({ length: to * n }, (_, k) => numbers[floor(k / to) * channels + max(0, k % to - more)]);
+  const mesh = makeTriangles(x, y), [, , star, begin] = mesh, indices = [];
+  begin(0, counts[0] ? 4 : 1);
+  readFlips(mixed, n, mesh);
+  const channels = (first & 3) + 1, colors = readColors(bits, tell, mixed, x, y, mesh, channels, colorStep, 1536 * width * height / n);
+  refuseIf(!ends());
+  for (let a = 0; a < n; a++) star(a, (b, c) => { if (a < min(b, c)) indices.push(a, b, c); });
   return {
-    positions: Float32Array.from(mesh.x.flatMap((x, v) => [x, mesh.y[v]])), colors, indices: Uint32Array.from(indices),
-    width, height, channels: to,
+    positions: Float32Array.from(x.flatMap((x, v) => [x, y[v]])), colors: Uint8Array.from(colors), indices: Uint32Array.from(indices),
+    width, height, channels: colors.length / n,
     premultiplied: (first & 4) > 0, linear: (first & 8) > 0, vertices: n, faces: indices.length / 3,
   };
-}
-
-// The mesh of the bytes of a bare compact file, or null where they are none. `told`: width and height, px, where the bytes leave them out.
-export function readBare(bytes, told = []) {
-  logarithms ??= makeLogarithms();
-  try {
-    return read(bytes, told);
-  } catch (error) {
-    if (error) throw error;
-    return null;
-  }
 }

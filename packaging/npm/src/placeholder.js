@@ -3,28 +3,27 @@
 //
 // Drawn at 40 px, softened, and magnified smoothly by the browser: of the triangles nothing is seen but their colours. No canvas is needed, so
 // that servers can do the same.
-import { ceil, max, min, readBare, round } from './bare.js';
+import { ceil, max, min, readBare, refuseIf, round } from './bare.js';
 
 const LARGEST = 4096;  // characters of a text; of more no mesh of MOST_POINTS is made
 
-// Either alphabet of base64, or nothing.
-function toBytes(text) {
-  try {
-    return Uint8Array.from(atob(text.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0));
-  } catch {
-    return undefined;
-  }
-}
+// From either alphabet of base64.
+const toBytes = (text) => Uint8Array.from(atob(text.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0));
 
+// The mesh, or null whatever is wrong with the data: no base64, no bytes, or none of a mesh.
 function read(data, size) {
-  if (!(data?.length <= LARGEST)) return null;
-  const bytes = typeof data === 'string' ? toBytes(data) : data;
-  return bytes instanceof Uint8Array ? readBare(bytes, size) : null;
+  try {
+    const bytes = typeof data === 'string' ? toBytes(data) : data;
+    refuseIf(!(bytes instanceof Uint8Array && data.length <= LARGEST));
+    return readBare(bytes, size);
+  } catch {
+    return null;
+  }
 }
 
 export function decode(data, { width, height } = {}) {
   const mesh = read(data, [width, height]);
-  if (!mesh || !(width > 0 && width < Infinity && height > 0 && height < Infinity)) return mesh;
+  if (!mesh || !(min(width, height) > 0 && max(width, height) < Infinity)) return mesh;
   const scales = [width / mesh.width, height / mesh.height];
   return { ...mesh, positions: mesh.positions.map((at, k) => at * scales[k % 2]), width, height };
 }
@@ -35,26 +34,24 @@ const fromLight = (x) => (x > 0.0031308 ? 1.055 * x ** (1 / 2.4) - 0.055 : x * 1
 
 // The mesh at the centres of width x height pixels: 4 numbers each, premultiplied, shares of 1.
 function shade({ positions, colors, indices, channels, premultiplied, linear, width: w, height: h }, width, height) {
-  const pixels = new Float32Array(4 * width * height), corner = [[], [], []];
+  const pixels = new Float32Array(4 * width * height);
   const share = (v, k) => {
     const value = k < channels ? colors[channels * v + k] / 255 : 1;
     return linear && k < 3 ? toLight(value) : value;
   };
   for (let f = 0; f < indices.length; f += 3) {
-    for (let k = 0; k < 3; k++) {
+    const [a, b, c] = [0, 1, 2].map((k) => {
       const v = indices[f + k];
-      corner[k] = [positions[2 * v] * width / w - 0.5, positions[2 * v + 1] * height / h - 0.5, ...[0, 1, 2, 3].map((c) => share(v, c))];
-    }
-    const [a, b, c] = corner, side = (p, q, x, y) => (q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1]), area = side(a, b, c[0], c[1]);
-    for (let y = max(0, ceil(min(a[1], b[1], c[1]))); y <= min(height - 1, max(a[1], b[1], c[1])); y++)
-      for (let x = max(0, ceil(min(a[0], b[0], c[0]))); x <= min(width - 1, max(a[0], b[0], c[0])); x++) {
+      return [positions[2 * v] * width / w - 0.5, positions[2 * v + 1] * height / h - 0.5, ...[0, 1, 2, 3].map((c) => share(v, c))];
+    });
+    const side = (p, q, x, y) => (q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1]), area = side(a, b, c[0], c[1]);
+    const from = (k) => max(0, ceil(min(a[k], b[k], c[k]))), to = (k, last) => min(last, max(a[k], b[k], c[k]));
+    for (let y = from(1); y <= to(1, height - 1); y++)
+      for (let x = from(0); x <= to(0, width - 1); x++) {
         const u = side(b, c, x, y) / area, v = side(c, a, x, y) / area, t = 1 - u - v;
         if (u < -1e-6 || v < -1e-6 || t < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
-        const at = 4 * (y * width + x), alpha = u * a[5] + v * b[5] + t * c[5];
-        for (let k = 0; k < 4; k++) {
-          const value = u * a[2 + k] + v * b[2 + k] + t * c[2 + k];
-          pixels[at + k] = k > 2 ? alpha : (linear ? fromLight(value) : value) * (premultiplied ? 1 : alpha);
-        }
+        const mixed = (k) => u * a[2 + k] + v * b[2 + k] + t * c[2 + k], at = 4 * (y * width + x), alpha = pixels[at + 3] = mixed(3);
+        for (let k = 0; k < 3; k++) pixels[at + k] = (linear ? fromLight(mixed(k)) : mixed(k)) * (premultiplied ? 1 : alpha);
       }
   }
   return pixels;
@@ -63,8 +60,8 @@ function shade({ positions, colors, indices, channels, premultiplied, linear, wi
 // Each number becomes the mean of itself, twice, and of those before and behind it along an axis; what is over the end is as the last.
 function soften(pixels, count, step) {
   return pixels.map((here, i) => {
-    const at = (i / step | 0) % count, before = at > 0 ? step : 0, behind = at < count - 1 ? step : 0;
-    return (pixels[i - before] + 2 * here + pixels[i + behind]) / 4;
+    const at = (i / step | 0) % count;
+    return (pixels[at > 0 ? i - step : i] + 2 * here + pixels[at < count - 1 ? i + step : i]) / 4;
   });
 }
 
@@ -78,16 +75,8 @@ export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
   return { data, width, height };
 }
 
-const word = (x) => [x >>> 24, x >>> 16 & 255, x >>> 8 & 255, x & 255];
-
-function checksum(bytes) {
-  let crc = -1;
-  for (const byte of bytes) {
-    crc ^= byte;
-    for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
-  }
-  return word(~crc);
-}
+// The bytes of 32 bits.
+const word = (x) => [24, 16, 8, 0].map((k) => x >>> k & 255);
 
 // A PNG that compresses nothing: so small a picture is not worth the code.
 function toPng({ data, width, height }) {
@@ -99,9 +88,16 @@ function toPng({ data, width, height }) {
   let a = 1, b = 0;
   for (const byte of rows) b = (b + (a = (a + byte) % 65521)) % 65521;
   const size = rows.length, png = [137, 80, 78, 71, 13, 10, 26, 10];
-  const chunk = (...bytes) => png.push(...word(bytes.length - 4), ...bytes, ...checksum(bytes));
+  const chunk = (...bytes) => {
+    let crc = -1;
+    for (const byte of bytes) {
+      crc ^= byte;
+      for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    png.push(...word(bytes.length - 4), ...bytes, ...word(~crc));
+  };
   chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, 6, 0, 0, 0);
-  chunk(73, 68, 65, 84, 120, 1, 1, size & 255, size >> 8, ~size & 255, ~size >> 8 & 255, ...rows, ...word(b * 65536 + a));
+  chunk(73, 68, 65, 84, 120, 1, 1, ...word(~size << 16 | size).reverse(), ...rows, ...word(b * 65536 + a));
   chunk(73, 69, 78, 68);
   return png;
 }
@@ -116,7 +112,7 @@ export function paint(image, options) {
   const url = toDataURL(image.dataset.mesh, options), { style } = image;
   if (!url) return false;
   const fit = getComputedStyle(image).objectFit;
-  style.background = `url(${url}) 50% / ${fit === 'cover' || fit === 'contain' ? fit : '100% 100%'} no-repeat`;
+  style.background = `url(${url}) 50% / ${/cover|contain/.test(fit) ? fit : '100% 100%'} no-repeat`;
   image.addEventListener('load', () => { style.background = ''; }, { once: true });
   return true;
 }
@@ -124,8 +120,8 @@ export function paint(image, options) {
 export function watch(root = document, options) {
   const idle = globalThis.requestIdleCallback ?? setTimeout;
   let isOver;
-  const near = new IntersectionObserver((entries) => entries.forEach(({ isIntersecting, target }) => {
-    if (isIntersecting) idle(() => isOver || paint(target, options), { timeout: 100 });
+  const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
+    if (entry.isIntersecting) idle(() => isOver || paint(entry.target, options), { timeout: 100 });
   }), { rootMargin: '50%' });
   const find = () => root.querySelectorAll('img[data-mesh]').forEach((image) => near.observe(image));
   const added = new MutationObserver(find);
