@@ -251,7 +251,7 @@ struct Goer {
     }
     Result operator()(std::size_t n, const hmesh::kit::Beginning& from) {
         using hmesh::kit::Work;
-        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.375, 0.2, 0.4, 0.15};
+        const double work[] = {from.mesh != nullptr ? 0.65 : 1, 0.375, 0.2, 0.07, 0.4, 0.15};
         const auto count = static_cast<double>(n);
         cost += work[static_cast<int>(from.work)] * count;
         if (from.mesh != nullptr) {

@@ -42,12 +42,13 @@ enum class Work : unsigned char {
     whole,   ///< as much as the recipe says
     refine,  ///< what makes a mesh of nearly as many vertices as good as a whole run
     touch,   ///< what keeps a mesh as good whose vertices change by a few per cent, in half the time of that
+    trim,    ///< the same where they fall by a few per cent, or rise by one at most, in a third of the time of that
     sketch,  ///< what tells the PSNR of a whole run to within some 0.3 dB, in a quarter of its time
     draft,   ///< what tells it to within 2 dB, in a tenth
 };
 
 /// Whether such a run goes on from the mesh of another.
-[[nodiscard]] constexpr bool goes_on(Work work) noexcept { return work == Work::refine || work == Work::touch; }
+[[nodiscard]] constexpr bool goes_on(Work work) noexcept { return work >= Work::refine && work <= Work::trim; }
 
 /// What drafts and sketches foretell of whole runs.
 struct Trials {

@@ -272,7 +272,8 @@ struct Annealed {
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
-    /// them as good as whole runs where they come from 0.9 to 1.4 times the vertices, and touched with 1 / 8.
+    /// them as good as whole runs where they come from 0.9 to 1.4 times the vertices, and touched with 1 / 8. Trimmed ones are
+    /// polished alone: 4 % fewer vertices cost at most 0.03 dB more than with the sweep of a touch, 1 % more at most 0.02 dB.
     [[nodiscard]] Annealed from(const kit::Beginning& beginning) const {
         Annealed out = *this;
         if (beginning.work == kit::Work::whole && beginning.mesh == nullptr) return out;
@@ -282,9 +283,9 @@ struct Annealed {
             out.steps.reset();
         } else if (kit::goes_on(beginning.work)) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
-            const int eighths = beginning.work == kit::Work::refine ? 3 : 1;
+            const int eighths = beginning.work == kit::Work::refine ? 3 : beginning.work == kit::Work::touch ? 1 : 0;
             const int sweeps = out.steps->annealing.sweeps;
-            out.steps->annealing.sweeps = std::max(std::min(1, sweeps), (eighths * sweeps + 4) / 8);
+            out.steps->annealing.sweeps = std::max(std::min(eighths * sweeps, 1), (eighths * sweeps + 4) / 8);
             out.steps->annealing.start_price = 0.85;
             out.steps->annealing.temperature = 0.1;  // few sweeps have no time to cool down
         }
