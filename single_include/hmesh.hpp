@@ -6412,7 +6412,7 @@ struct MeshLimits {
 };
 
 /// Whether the limits are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
-[[nodiscard]] inline Status check(const MeshLimits& limits) noexcept {
+[[nodiscard]] HMESH_COLD inline Status check(const MeshLimits& limits) noexcept {
     const Status ranges =
         kit::check_ranges({{"limits.min_double_area must be in [1e-4, 0.25] px^2", limits.min_double_area, 1e-4, 0.25},
                            {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},
@@ -6745,7 +6745,7 @@ struct AnnealedSteps {
 };
 
 /// The steps of an effort.
-[[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
+[[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
         case Effort::draft:
@@ -6928,7 +6928,7 @@ struct Annealed {
                 static_cast<int>(Effort::best)};
     }
     /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
+    [[nodiscard]] HMESH_COLD double tile_size(int width, int height, std::size_t n) const noexcept {
         const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
@@ -11252,7 +11252,7 @@ class Delaunay {
     return mesh;
 }
 
-inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
+HMESH_COLD inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
     HMESH_ASSERT(extent(width, samples) >= 1 && width <= 65536 && extent(height, samples) >= 1 && height <= 65536);
     const std::array<Point, 4> at = corners();
     positions_.assign(at.begin(), at.end());
@@ -12264,7 +12264,7 @@ namespace detail {
 /// to edge without T-junctions, and tile the image or, of a periodic mesh, the torus, copies of vertices having one colour.
 /// Errc::invalid_argument with the index of what is wrong. O(n log n).
 template <int C>
-[[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
+[[nodiscard]] HMESH_COLD Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
         return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
     };
@@ -12348,7 +12348,7 @@ template <int C>
 /// where `from` does not have C channels or its arrays differ in their number of vertices; whether it tiles its image is for
 /// check() to say.
 template <int C>
-[[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;
     if (from.channels != C || from.colors.size() != C * from.vertex_count()) return to;
     to.width = from.width;
@@ -14197,7 +14197,7 @@ class ValenceBound {
     [[nodiscard]] Vertex far_corner(Halfedge h) const noexcept { return topology_->to_vertex(topology_->next(h)); }
     [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_->valence(v) < most_; }
 
-    [[nodiscard]] bool turns_well(Halfedge a) const noexcept {
+    [[nodiscard]] HMESH_COLD bool turns_well(Halfedge a) const noexcept {
         if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
         const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
         const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
@@ -14220,7 +14220,7 @@ class ValenceBound {
         }
     }
     /// Puts a vertex in the middle of the spoke of v whose faces are largest. False: no face may get smaller.
-    bool split_spoke(Vertex v) {
+    HMESH_COLD bool split_spoke(Vertex v) {
         Halfedge best;
         double largest = 0;
         for (const Halfedge h : topology_->outgoing(v)) {
@@ -15629,7 +15629,7 @@ class BestResult {
         return static_cast<bool>(status);
     }
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
-    [[nodiscard]] Result take() {
+    [[nodiscard]] HMESH_COLD Result take() {
         if (result_.status && !is_reached())
             result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
                               result_.report.psnr, psnr_};
@@ -15655,7 +15655,7 @@ class PsnrCurve {
     }
     /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that
     /// `goes_on` from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
-    void pass(std::size_t n, double psnr, bool goes_on) noexcept {
+    HMESH_COLD void pass(std::size_t n, double psnr, bool goes_on) noexcept {
         const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
         const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling
         shift(n, psnr);

@@ -22,6 +22,7 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
@@ -111,7 +112,7 @@ class Delaunay {
     return mesh;
 }
 
-inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
+HMESH_COLD inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
     HMESH_ASSERT(extent(width, samples) >= 1 && width <= 65536 && extent(height, samples) >= 1 && height <= 65536);
     const std::array<Point, 4> at = corners();
     positions_.assign(at.begin(), at.end());

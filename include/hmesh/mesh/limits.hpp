@@ -3,6 +3,7 @@
 #ifndef HMESH_MESH_LIMITS_HPP
 #define HMESH_MESH_LIMITS_HPP
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -32,7 +33,7 @@ struct MeshLimits {
 };
 
 /// Whether the limits are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
-[[nodiscard]] inline Status check(const MeshLimits& limits) noexcept {
+[[nodiscard]] HMESH_COLD inline Status check(const MeshLimits& limits) noexcept {
     const Status ranges =
         kit::check_ranges({{"limits.min_double_area must be in [1e-4, 0.25] px^2", limits.min_double_area, 1e-4, 0.25},
                            {"limits.border_gap must be in [1/256, 1/4] px", limits.border_gap, 1.0 / 256, 0.25},

@@ -80,7 +80,7 @@ class BestResult {
         return static_cast<bool>(status);
     }
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
-    [[nodiscard]] Result take() {
+    [[nodiscard]] HMESH_COLD Result take() {
         if (result_.status && !is_reached())
             result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
                               result_.report.psnr, psnr_};
@@ -106,7 +106,7 @@ class PsnrCurve {
     }
     /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that
     /// `goes_on` from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
-    void pass(std::size_t n, double psnr, bool goes_on) noexcept {
+    HMESH_COLD void pass(std::size_t n, double psnr, bool goes_on) noexcept {
         const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
         const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling
         shift(n, psnr);

@@ -137,7 +137,7 @@ class ValenceBound {
     [[nodiscard]] Vertex far_corner(Halfedge h) const noexcept { return topology_->to_vertex(topology_->next(h)); }
     [[nodiscard]] bool has_room(Vertex v) const noexcept { return topology_->valence(v) < most_; }
 
-    [[nodiscard]] bool turns_well(Halfedge a) const noexcept {
+    [[nodiscard]] HMESH_COLD bool turns_well(Halfedge a) const noexcept {
         if (!topology_->is_flip_ok(HalfedgeMesh::edge(a))) return false;
         const Vertex left = far_corner(a), right = far_corner(HalfedgeMesh::opposite(a));
         const Point from = at(topology_->from_vertex(a)), to = at(topology_->to_vertex(a));
@@ -160,7 +160,7 @@ class ValenceBound {
         }
     }
     /// Puts a vertex in the middle of the spoke of v whose faces are largest. False: no face may get smaller.
-    bool split_spoke(Vertex v) {
+    HMESH_COLD bool split_spoke(Vertex v) {
         Halfedge best;
         double largest = 0;
         for (const Halfedge h : topology_->outgoing(v)) {

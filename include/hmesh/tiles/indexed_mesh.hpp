@@ -100,7 +100,7 @@ namespace detail {
 /// to edge without T-junctions, and tile the image or, of a periodic mesh, the torus, copies of vertices having one colour.
 /// Errc::invalid_argument with the index of what is wrong. O(n log n).
 template <int C>
-[[nodiscard]] Status check(const IndexedMesh<C>& mesh) {
+[[nodiscard]] HMESH_COLD Status check(const IndexedMesh<C>& mesh) {
     const auto fail = [](const char* what, std::size_t where) -> Status {
         return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
     };
@@ -184,7 +184,7 @@ template <int C>
 /// where `from` does not have C channels or its arrays differ in their number of vertices; whether it tiles its image is for
 /// check() to say.
 template <int C>
-[[nodiscard]] IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> to_indexed_mesh(const Mesh& from) {
     IndexedMesh<C> to;
     if (from.channels != C || from.colors.size() != C * from.vertex_count()) return to;
     to.width = from.width;

@@ -77,7 +77,7 @@ struct AnnealedSteps {
 };
 
 /// The steps of an effort.
-[[nodiscard]] inline AnnealedSteps annealed_steps(Effort effort) noexcept {
+[[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
     switch (effort) {
         case Effort::draft:
@@ -260,7 +260,7 @@ struct Annealed {
                 static_cast<int>(Effort::best)};
     }
     /// The side of the tiles in px for a mesh of n vertices; the image's longer side or more: one piece.
-    [[nodiscard]] double tile_size(int width, int height, std::size_t n) const noexcept {
+    [[nodiscard]] HMESH_COLD double tile_size(int width, int height, std::size_t n) const noexcept {
         const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
