@@ -257,7 +257,7 @@ class PsnrCurve {
             break;
         if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
         // Rather too many than too few, and the more so the farther away: a trim costs next to nothing.
-        double aim = needed * 1.003 * std::exp2(std::min(0.05, 0.1 * std::abs(excess)));
+        double aim = needed * (1.003 + std::min(0.035, 0.07 * std::abs(excess)));
         if (doublings(count, aim) > most_more) aim = 1.2 * needed;  // a curve that promised so much too much still does
         std::size_t next = allowed(aim);
         if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, most);
