@@ -372,8 +372,10 @@ def test_nothing_outside_of_the_job_is_written_not_by_a_link_either(terrain):
 
 # ---- engines ----
 def engine(terrain, name):
-    if not shutil.which({"ninja": "ninja", "parallel": "parallel"}[name]):
+    if not shutil.which(name):
         pytest.skip(f"{name} is not installed")
+    if name == "parallel" and "GNU" not in subprocess.run([name, "--version"], capture_output=True, text=True, check=False).stdout:
+        pytest.skip("parallel is not GNU's")
     return {"ninja": ["ninja", "-C", "job", "-j", "2"], "parallel": ["sh", "job/parallel.sh", "--jobs", "2"]}[name]
 
 

@@ -51,6 +51,10 @@ std::string parallel_text(const std::string& program, const std::vector<Phase>& 
         "# Runs all tasks of this job by GNU parallel, one phase after the other.\n"
         "# usage: JOB/parallel.sh [OPTION OF parallel...]     such as --jobs 8, or --sshlogin one,two --workdir \"$PWD/JOB\"\n"
         "set -eu\n"
+        "if ! parallel --version 2>/dev/null | grep -q GNU; then\n"
+        "    echo \"$0: this needs GNU parallel, and 'parallel' is missing or another program\" >&2\n"
+        "    exit 1\n"
+        "fi\n"
         "CDPATH='' cd \"$(dirname \"$0\")\"\n";
     for (std::size_t k = 0; k < phases.size(); ++k)
         text += "parallel \"$@\" --arg-file " + list_name(k) + " " + quoted(quoted(program)) + " job run . {} --quiet  # " +
