@@ -346,23 +346,29 @@ TEST_CASE("limits at the ends of their ranges still give every number of vertice
 TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fitted to it") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, 1);
     for (const Effort effort : {Effort::draft, Effort::normal}) {
+        const std::uint64_t seeds =
+            effort == Effort::draft ? 1 : 8;  // means of a drawing of so few vertices still scatter by 0.3 dB
         double finest = 0;
         for (double step = 1.0 / 256; step <= 0.25; step *= 2) {
             CAPTURE(step);
             Options options = options_of(Target::vertices(150));
             options.limits.position_step = step;
-            const Result result = mesh_image(image.view(), options, recipe_of(effort));
-            hmesh_test::prove_result(image, result, 150);
-            std::size_t off = 0, odd = 0;
-            for (const float at : result.mesh.positions) {
-                const double steps = static_cast<double>(at) / step;
-                off += steps != std::floor(steps);
-                odd += std::fmod(steps, 2) == 1;
+            double mean = 0;
+            for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
+                const Result result = mesh_image(image.view(), options, hmesh::Annealed{effort, seed});
+                hmesh_test::prove_result(image, result, 150);
+                std::size_t off = 0, odd = 0;
+                for (const float at : result.mesh.positions) {
+                    const double steps = static_cast<double>(at) / step;
+                    off += steps != std::floor(steps);
+                    odd += std::fmod(steps, 2) == 1;
+                }
+                CHECK(off == 0);
+                CHECK(odd > 0);
+                mean += result.report.psnr / static_cast<double>(seeds);
             }
-            CHECK(off == 0);
-            CHECK(odd > 0);
-            if (finest == 0) finest = result.report.psnr;
-            CHECK(result.report.psnr > finest - (step < 0.125 ? 0.5 : 1.5));
+            if (finest == 0) finest = mean;
+            CHECK(mean > finest - (step < 0.125 ? 0.8 : 1.25));
         }
     }
 }
