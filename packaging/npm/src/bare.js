@@ -2,7 +2,7 @@
 // here, by the same names. Whole numbers alone, and quotients of them that are made whole at once; none is above 2^53, so that every engine
 // decides alike. Parts are handed on in arrays, by their places, since minifiers shorten no names of properties.
 //
-// Work is O(n^2) in the number of points, n <= MOST_POINTS, and memory 8 n^2 bytes beside 430 kB of contexts: 0.7 ms and 50 kB of 80 points,
+// Work is O(n^2) in the number of points, n <= MOST_POINTS, and memory 8 n^2 bytes beside 430 kB of contexts: 1 ms and 50 kB of 80 points,
 // which 200 bytes hold. Loops that are run for each bit are plain: a page decodes little, and most of it before its engine has compiled this.
 
 export const MOST_POINTS = 1024;  // corners among them
@@ -160,26 +160,18 @@ export function makeTriangles(x, y) {
   const star = (a, body) => edges[a].forEach((edge, b) => edge && body(b, apex(a, b)));
   // Twice the area of a triangle, positive where c is to the left.
   const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  // Whether d, on the circle of the positive a, b, c, counts as inside.
-  const countsInside = (a, b, c, d) => {
-    const least = min(a, b, c, d), other = (point) => (point === least ? d : point);
-    return least === d || turn(other(a), other(b), other(c)) < 0;
+  // Whether d counts as inside of the circle of the positive a, b, c: the scalar product of the sides from a point to a and b,
+  // over the area, is the same all along a circle, and less inside.
+  const isInside = (a, b, c, d) => {
+    const product = (e) => (x[a] - x[e]) * (x[b] - x[e]) + (y[a] - y[e]) * (y[b] - y[e]);
+    const value = product(c) * turn(a, b, d) - product(d) * turn(a, b, c), least = min(a, b, c, d), other = (point) => (point === least ? d : point);
+    return value > 0 || (!value && (least === d || turn(other(a), other(b), other(c)) < 0));
   };
   // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
   const begin = (a, b) => {
     if (apex(a, b) >= 0) return;
-    const p = x[a], q = y[a], s = x[b] - p, t = y[b] - q;
-    let c = -1, areaC, productC;
-    for (let d = 0; d < x.length; d++) {
-      const u = x[d] - p, v = y[d] - q, area = s * v - u * t;
-      if (area <= 0) continue;
-      // The scalar product of the sides from d to a and b over the area is the same all along a circle, and less inside.
-      const product = u * (u - s) + v * (v - t), value = c < 0 ? 1 : productC * area - product * areaC;
-      if (value < 0 || (value === 0 && !countsInside(a, b, c, d))) continue;
-      c = d;
-      areaC = area;
-      productC = product;
-    }
+    let c = -1;
+    for (let d = 0; d < x.length; d++) if (turn(a, b, d) > 0 && (c < 0 || isInside(a, b, c, d))) c = d;
     if (c < 0) return;
     set(a, b, c, 0);
     begin(a, c);
@@ -197,7 +189,7 @@ export function makeTriangles(x, y) {
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return [apex, turn, star, begin, flip, since, angle, set, countsInside];
+  return [apex, turn, star, begin, flip, since, angle, set, isInside];
 }
 
 function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {

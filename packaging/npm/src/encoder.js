@@ -15,7 +15,7 @@ class Fit {
   // From a mesh of it whose vertices may lie anywhere.
   constructor({ width, height, pixels, channels }, { positions, indices, colors }) {
     const [x, y] = [0, 1].map((axis) => Array.from(positions.filter((_, k) => k % 2 === axis)));
-    const [apex, turn, , , flip, , , set, countsInside] = makeTriangles(x, y), mesh = { x, y, apex, turn, flip, set, countsInside };
+    const [apex, turn, , , flip, , , set, isInside] = makeTriangles(x, y), mesh = { x, y, apex, turn, flip, set, isInside };
     Object.assign(this, { width, height, pixels, channels, mesh, n: x.length, colors: Float64Array.from(colors) });
     for (let f = 0; f < indices.length; f += 3) this.mesh.set(indices[f], indices[f + 1], indices[f + 2], 0);
   }
@@ -147,9 +147,7 @@ class Fit {
   flip(a, b, price) {
     const { mesh } = this, c = mesh.apex(a, b), d = mesh.apex(b, a);
     if (c < 0 || d < 0 || mesh.turn(a, d, c) <= 0 || mesh.turn(d, b, c) <= 0) return;
-    const product = (e) => (mesh.x[a] - mesh.x[e]) * (mesh.x[b] - mesh.x[e]) + (mesh.y[a] - mesh.y[e]) * (mesh.y[b] - mesh.y[e]);
-    const value = product(c) * mesh.turn(a, b, d) - product(d) * mesh.turn(a, b, c), isInside = value > 0 || (value === 0 && mesh.countsInside(a, b, c, d));
-    const toll = isInside ? price : -price;
+    const toll = mesh.isInside(a, b, c, d) ? price : -price;
     if (this.faceError(a, d, c) + this.faceError(d, b, c) < this.faceError(a, b, c) + this.faceError(b, a, d) + toll) mesh.flip(a, b, c, d, 0);
   }
 

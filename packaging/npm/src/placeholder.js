@@ -16,7 +16,8 @@ function read(data, size) {
     const bytes = typeof data === 'string' ? toBytes(data) : data;
     refuseIf(!(bytes instanceof Uint8Array && data.length <= LARGEST));
     return readBare(bytes, size);
-  } catch {
+  } catch (error) {
+    if (error && !error.code) throw error;  // no refusal, and none of atob()'s
     return null;
   }
 }
