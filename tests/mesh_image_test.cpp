@@ -344,18 +344,17 @@ TEST_CASE("limits at the ends of their ranges still give every number of vertice
 }
 
 TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fitted to it") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, 1);
     for (const Effort effort : {Effort::draft, Effort::normal}) {
-        const std::uint64_t seeds =
-            effort == Effort::draft ? 1 : 8;  // means of a drawing of so few vertices still scatter by 0.3 dB
         double finest = 0;
         for (double step = 1.0 / 256; step <= 0.25; step *= 2) {
             CAPTURE(step);
             Options options = options_of(Target::vertices(150));
             options.limits.position_step = step;
-            double mean = 0;
-            for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
-                const Result result = mesh_image(image.view(), options, hmesh::Annealed{effort, seed});
+            double mean = 0;  // of several drawings, since the PSNR of one scatters by a decibel
+            constexpr int scenes = 8;
+            for (int k = 1; k <= scenes; ++k) {
+                const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, static_cast<std::uint64_t>(k));
+                const Result result = mesh_image(image.view(), options, recipe_of(effort));
                 hmesh_test::prove_result(image, result, 150);
                 std::size_t off = 0, odd = 0;
                 for (const float at : result.mesh.positions) {
@@ -365,10 +364,10 @@ TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fit
                 }
                 CHECK(off == 0);
                 CHECK(odd > 0);
-                mean += result.report.psnr / static_cast<double>(seeds);
+                mean += result.report.psnr / scenes;
             }
             if (finest == 0) finest = mean;
-            CHECK(mean > finest - (step < 0.125 ? 0.8 : 1.25));
+            CHECK(mean > finest - (step < 0.125 ? 0.5 : 0.75));
         }
     }
 }

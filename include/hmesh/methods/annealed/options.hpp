@@ -29,7 +29,7 @@ namespace hmesh {
 /// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
-    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1 to 2 dB above draft
+    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1 to 2.3 dB above draft
     normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.4 to 1 dB above fast
     fine,    ///< the same with 50 sweeps: 0.1 to 0.4 dB above normal in four to five times its time
     best,    ///< the same with 1000 sweeps
@@ -284,7 +284,7 @@ struct Annealed {
         } else if (kit::goes_on(beginning.work)) {
             out.steps = steps.value_or(kit::annealed_steps(effort));
             const int eighths = beginning.work == kit::Work::refine ? 3 : beginning.work == kit::Work::touch ? 1 : 0;
-            const int sweeps = out.steps->annealing.sweeps;
+            const int sweeps = out.steps->annealing.sweeps;  // these are rounded, but not to none
             out.steps->annealing.sweeps = std::max(std::min(eighths * sweeps, 1), (eighths * sweeps + 4) / 8);
             out.steps->annealing.start_price = 0.85;
             out.steps->annealing.temperature = 0.1;  // few sweeps have no time to cool down
