@@ -3017,7 +3017,8 @@ class LatticeMesh {
         int x, y;
     };
 
-    // A mesh of the first image in px of the second.
+    // A mesh of the first image in px of the second. Rounding may turn slivers over; vertices on them come to sites all the same
+    // or are removed, but until then the far corners of a convex quadrilateral may have an edge in common: is_flip_ok().
     [[nodiscard]] Mesh in_second_image(Mesh mesh) const {
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
             const LatticeAxis& axis = i % 2 == 0 ? lattice_->x : lattice_->y;
@@ -3159,6 +3160,7 @@ class LatticeMesh {
         kit::FlipTrial<C> trial;
         for (const kit::Edge e : spokes) {
             if (!kit::can_flip(mesh_, e) || !do_turn(e)) continue;
+            if (!topology().is_flip_ok(e)) continue;
             kit::evaluate_flip(mesh_, e, trial);
             mesh_.flip(e, trial.moments, trial.own, trial.opposite);
             if (remove(v)) return;
@@ -3231,7 +3233,7 @@ class LatticeMesh {
         kit::FlipTrial<C> trial;
         kit::evaluate_flip(mesh_, e, trial);
         const double most = allowed();
-        if (!(-trial.decrease < most + mesh_.mean_energy())) return false;
+        if (!(-trial.decrease < most + mesh_.mean_energy()) || !topology().is_flip_ok(e)) return false;
         const double before = mesh_.energy();
         const auto mark = mesh_.begin();
         mesh_.flip(e, trial.moments, trial.own, trial.opposite);
