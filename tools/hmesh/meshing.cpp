@@ -1,4 +1,4 @@
-// All that the command asks of mesh_image() and render(): it takes two thirds of the time that the command takes to compile. One
+// All that the command asks of mesh_image() and render(): it takes two fifths of the time that the command takes to compile. One
 // file for each number of channels would be done sooner on four cores, and compile what all of them share three times more.
 #include "meshing.hpp"
 
