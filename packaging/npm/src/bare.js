@@ -15,31 +15,31 @@ const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANG
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-export const { max, min, abs, ceil, floor, round, exp, log, tan, sqrt, PI } = Math;
+export const { max, min, abs, ceil, floor, round, exp, tan, sqrt, PI } = Math;
 // Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
 const table = (size, body) => Array.from({ length: size }, (_, k) => round(body(k)));
 const LOGISTIC = table(46, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
 const digits = (x) => 32 - Math.clz32(x);
-const q3 = (count) => min(3, count);
+const q3 = (count) => (count < 3 ? count : 3);
 const grade = (value) => (value < 4 ? value : 2 + grade(value >> 1));  // two of each number of digits
-const held = (x, most) => max(-most, min(most, x));
+const held = (x, most) => (x > most ? most : x < -most ? -most : x);
 // Where this throws, there is no mesh.
 export const refuseIf = (isWrong) => { if (isWrong) throw 0; };
 
 // In 65536ths, of a logarithm from -2816 to 2816.
 function probability(s) {
-  const k = abs(s) >> 6, r = abs(s) & 63, p = LOGISTIC[k] * (64 - r) + LOGISTIC[k + 1] * r >> 6;
+  const k = abs(s) >> 6, r = abs(s) & 63, p = LOGISTIC[k] + ((LOGISTIC[k + 1] - LOGISTIC[k]) * r >> 6);
   return s < 0 ? 65536 - p : p;
 }
 
-// The least logarithm whose probability is 16 k + 8 at least: the curve itself is some steps from it at most, which whole numbers then find.
+// The least logarithm whose probability is 16 k + 8 at least, from the piece of the curve that gets there; below a half, one above the greatest
+// whose opposite has 65528 - 16 k at most.
 function logarithm(k) {
-  const p = 16 * k + 8;
-  let s = round(256 * log(p / (65536 - p)));
-  while (probability(s) < p) s++;
-  while (probability(s - 1) >= p) s--;
-  return s;
+  if (k < 2048) return 1 - logarithm(4095.0625 - k);  // that of 65529 - 16 k
+  let s = 0;
+  while (LOGISTIC[s + 1] < 16 * k + 8) s++;
+  return 64 * s + ceil(64 * (16 * k + 8 - LOGISTIC[s]) / (LOGISTIC[s + 1] - LOGISTIC[s]));
 }
 const logarithms = Array(4096);  // those of k that have been asked for, some hundreds
 
@@ -54,16 +54,16 @@ function openCode(bytes, at) {
     refuseIf(at > bytes.length + 4);
   };
   const raw = (p) => {
-    const middle = low + floor((high - low) * p / 65536), bit = code <= middle ? 1 : 0;
+    const middle = low + ((high - low) * p / 65536 >>> 0), bit = code <= middle ? 1 : 0;
     if (bit) high = middle;
     else low = middle + 1;
     while (!((low ^ high) >>> 24)) shift();
     return bit;
   };
   const learn = (context, bit) => {
-    const count = seen[context], way = (bit ? 2097151 : -2097152) - contexts[context];
-    contexts[context] += (way / 8 | 0) * (16384 / (2 * count + 3) | 0) / 1024 | 0;
-    seen[context] = min(count + 1, 160);
+    const way = (bit ? 2097151 : -2097152) - contexts[context];
+    contexts[context] += (way / 8 | 0) * (16384 / (2 * seen[context] + 3) | 0) / 1024 | 0;
+    if (seen[context] < 160) seen[context]++;
   };
   for (let k = 0; k < 4; k++) shift();
   weights.fill(21845).fill(26000, 4 * FLIP_WEIGHTS, 4 * COLOR_WEIGHTS);
@@ -80,13 +80,13 @@ function openCode(bytes, at) {
   const mixed = (set, base, ...names) => {
     let sum = 0;
     for (let k = 0; k < names.length; k++) {
-      const q = 2048 + (contexts[base + names[k]] >> 10);
+      const q = 2048 + (contexts[names[k] += base] >> 10);
       sum += weights[4 * set + k] * (logs[k] = logarithms[q] ??= logarithm(q));
     }
-    const p = probability(held(sum / 65536 | 0, 2816)), bit = raw(p);
+    const p = probability(held(sum / 65536 | 0, 2816)), bit = raw(p), error = bit * 65536 - p;
     for (let k = 0; k < names.length; k++) {
-      weights[4 * set + k] = held(weights[4 * set + k] + (logs[k] * (bit * 65536 - p) / 16384 | 0), 524288);
-      learn(base + names[k], bit);
+      weights[4 * set + k] = held(weights[4 * set + k] + (logs[k] * error / 16384 | 0), 524288);
+      learn(names[k], bit);
     }
     return bit;
   };
@@ -121,7 +121,7 @@ function readSites(bits, told, mixed, width, height, n) {
   };
   let cells = new Map([[0, n]]), p = digits(width - 1), q = digits(height - 1);
   for (let dense = digits(n) + 2; dense-- && p + q;) {
-    const deeper = min(31, p + q), axis = q > p ? 1 : 0, sides = [ROW << p, 1 << q], along = sides[axis], across = sides[1 - axis];
+    const deeper = min(31, p + q), axis = q > p ? 1 : 0, along = axis ? 1 << q : ROW << p, across = axis ? ROW << p : 1 << q;
     const halves = new Map(), whole = (cell) => cells.get(cell) | 0, half = (cell) => halves.get(cell) | 0, give = (cell, n) => halves.set(cell, n);
     for (const [cell, n] of cells) {
       const beside = cell - across, next = cell + along, last = cell - along, s1 = half(beside), s2 = half(beside + along / 2);
@@ -160,18 +160,28 @@ export function makeTriangles(x, y) {
   const star = (a, body) => edges[a].forEach((edge, b) => edge && body(b, apex(a, b)));
   // Twice the area of a triangle, positive where c is to the left.
   const turn = (a, b, c) => (x[b] - x[a]) * (y[c] - y[a]) - (x[c] - x[a]) * (y[b] - y[a]);
-  // Whether d counts as inside of the circle of the positive a, b, c: the scalar product of the sides from a point to a and b,
-  // over the area, is the same all along a circle, and less inside.
+  // The scalar product of the sides from e to a and b.
+  const product = (a, b, e) => (x[a] - x[e]) * (x[b] - x[e]) + (y[a] - y[e]) * (y[b] - y[e]);
+  // Whether d counts as inside of the circle of the positive a, b, c: the product from a point to a and b, over the area, is the same all along
+  // a circle, and less inside.
   const isInside = (a, b, c, d) => {
-    const product = (e) => (x[a] - x[e]) * (x[b] - x[e]) + (y[a] - y[e]) * (y[b] - y[e]);
-    const value = product(c) * turn(a, b, d) - product(d) * turn(a, b, c), least = min(a, b, c, d), other = (point) => (point === least ? d : point);
+    const value = product(a, b, c) * turn(a, b, d) - product(a, b, d) * turn(a, b, c), least = min(a, b, c, d);
+    const other = (point) => (point === least ? d : point);
     return value > 0 || (!value && (least === d || turn(other(a), other(b), other(c)) < 0));
   };
   // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
   const begin = (a, b) => {
-    if (apex(a, b) >= 0) return;
-    let c = -1;
-    for (let d = 0; d < x.length; d++) if (turn(a, b, d) > 0 && (c < 0 || isInside(a, b, c, d))) c = d;
+    if (edges[a][b]) return;
+    const dx = x[b] - x[a], dy = y[b] - y[a];
+    // Of points to the left, the one whose product over its area is least; rounded, quotients that differ may be equal, but are never the other way.
+    let c = -1, least = Infinity;
+    for (let d = 0; d < x.length; d++) {
+      const u = x[d] - x[a], v = y[d] - y[a], area = dx * v - dy * u, value = (u * (u - dx) + v * (v - dy)) / area;
+      if (area > 0 && (value < least || (value === least && isInside(a, b, c, d)))) {
+        c = d;
+        least = value;
+      }
+    }
     if (c < 0) return;
     set(a, b, c, 0);
     begin(a, c);
@@ -179,10 +189,10 @@ export function makeTriangles(x, y) {
   };
   // The angle at p between q and r, in 64ths of a half turn.
   const angle = (p, q, r) => {
-    const area = turn(p, q, r), t = 64 * ((x[q] - x[p]) * (x[r] - x[p]) + (y[q] - y[p]) * (y[r] - y[p]));
+    const area = turn(p, q, r), along = product(q, r, p), t = 64 * abs(along);
     let k = 0;
-    for (let step = 16; step; step >>= 1) if (abs(t) < COTANGENTS[k + step - 1] * area) k += step;
-    return t < 0 ? 63 - k : k;
+    for (let step = 16; step; step >>= 1) if (t < COTANGENTS[k + step - 1] * area) k += step;
+    return along < 0 ? 63 - k : k;
   };
   const flip = (a, b, c, d, round) => {
     edges[a][b] = edges[b][a] = 0;
@@ -193,26 +203,28 @@ export function makeTriangles(x, y) {
 }
 
 function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
-  let asked = new Set(), left = 64 * n;
-  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b)), pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
+  let asked = new Set(), left = 64 * n, now = 1;
+  const ask = (a, b) => asked.add(min(a, b) * n + max(a, b)), side = (a, b) => (since(a, b) < now ? min(1, since(a, b)) : 6);
+  const pair = (u, v) => (min(u, v) >> 2) * 16 + (max(u, v) >> 2);
   for (let a = 0; a < n; a++) star(a, (b) => ask(a, b));
-  asked = new Set(Int32Array.from(asked).sort());
-  for (let now = 1; asked.size; now++) {
+  for (; asked.size; now++) {
     const edges = asked;
     asked = new Set();
     for (const edge of edges) {
       const a = edge / n | 0, b = edge % n, c = apex(a, b), d = apex(b, a), madeC = since(a, b), madeD = since(b, a);
       if (c < 0 || d < 0 || madeC === now || madeD === now || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
-      const g = angle(c, a, b), h = angle(d, b, a), i = angle(a, d, c), j = angle(b, c, d);
+      const g = angle(c, a, b), h = angle(d, b, a);
       const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h));
-      const sides = [[a, c], [c, b], [b, d], [d, a]], fresh = (madeC === now - 1 ? 1 : 0) + (madeD === now - 1 ? 1 : 0), shape = phase * 16 + (slack >> 2);
-      let near = 0;
-      for (const [u, v] of sides) near += since(u, v) === now ? 6 : min(1, since(u, v));
-      if (!mixed(FLIP_WEIGHTS + shape, 0, ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(i, j),
+      const fresh = (madeC > now - 2) + (madeD > now - 2), shape = phase * 16 + (slack >> 2);
+      const near = side(a, c) + side(c, b) + side(b, d) + side(d, a);
+      if (!mixed(FLIP_WEIGHTS + shape, 0, ANGLES + phase * 256 + pair(g, h), SHAPES + shape * 256 + pair(angle(a, d, c), angle(b, c, d)),
         NEAR + (phase * 3 + fresh) * 1024 + (slack >> 1) * 32 + near)) continue;
       refuseIf(!left--);
       flip(a, b, c, d, now);
-      for (const [u, v] of sides) ask(u, v);
+      ask(a, c);
+      ask(c, b);
+      ask(b, d);
+      ask(d, a);
     }
   }
 }
@@ -227,35 +239,44 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
     let area = 0;
     star(v, (u, w) => {
       area += turn(v, u, w);
-      known.add(u).add(w);
+      if (u < v) known.add(u);
+      if (w < v) known.add(w);
     });
-    const distance = (u) => {
+    const near = [...known], distances = near.map((u) => {
       const dx = abs(x[u] - x[v]), dy = abs(y[u] - y[v]);
       return 256 * max(dx, dy) + 96 * min(dx, dy);
-    };
-    const before = [...known].filter((u) => u < v), nearest = min(2 ** 26, ...before.map(distance));
-    const near = before.map((u) => [u, max(1, 4096 * nearest / distance(u) | 0)]);
-    if (!near.length && v) near.push([v - 1, 1]);
+    });
+    const nearest = min(2 ** 26, ...distances), weights = distances.map((distance) => max(1, 4096 * nearest / distance | 0));
+    if (!near.length && v) {
+      near.push(v - 1);
+      weights.push(1);
+    }
     let total = 0;
-    for (const [, weight] of near) total += weight;
+    for (const weight of weights) total += weight;
     const fineness = sqrt(max(16, min(4096, mean / area))) | 0;
     let size1 = 0, size2 = 0, sign1 = 0, sign2 = 0;  // of the two channels before
     for (let k = 0; k < channels; k++) {
       const channel = hasAlpha ? (k || channels) - 1 : k, isDifference = isRgb && channel % 3 > 0;
       const top = step ? 16383 : isDifference ? 510 : 255;
       const unit = max(1, step * fineness * [10, 12, 7, 17][isRgb ? channel : 3] >> 8);
-      const weigh = (numbers, from) => near.reduce((sum, [u, weight]) => sum + weight * abs(numbers[u * channels + channel] - from), 0);
+      const weigh = (numbers, from) => {
+        let sum = 0;
+        for (let k = 0; k < near.length; k++) sum += weights[k] * abs(numbers[near[k] * channels + channel] - from);
+        return sum;
+      };
       const level = (sum) => (v ? min(18, grade(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
       const guess = v ? round(weigh(planes, 0) / total) : step && !isDifference ? 2048 : (top + 1) >> 1;
       const spread = level(weigh(planes, guess)), off = level(weigh(missed, 0));
       const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
       const largest = digits(max(guess, top - guess) / unit);
-      const isMore = (set) => mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place);
-      let size = 0, sign = 0;
-      while (size < largest && isMore(channel * 16 + size)) size++;
+      let size = 0, sign = 0, set = channel * 16;
+      while (size < largest && mixed(COLOR_WEIGHTS + set, COLORS + set * 220, spread, 20 + off, 40 + other, 60 + place)) {
+        size++;
+        set++;
+      }
       if (size) sign = 1 + told(SIGNS + channel * 9 + sign1 * 3 + sign2);
       let value = min(1, size);
-      for (let k = 1; k < size; k++) value += value + (value < 4 ? told(DIGITS + (channel * 16 + size) * 4 + value) : bits(1));
+      for (let k = 1; k < size; k++) value += value + (value < 4 ? told(DIGITS + set * 4 + value) : bits(1));
       const at = v * channels + channel;
       missed[at] = value *= unit;
       planes[at] = sign > 1 ? guess - value : guess + value;
@@ -315,7 +336,7 @@ export function readBare(bytes, told = []) {
   readFlips(mixed, n, mesh);
   const channels = (first & 3) + 1, colors = readColors(bits, tell, mixed, x, y, mesh, channels, colorStep, 1536 * width * height / n);
   refuseIf(!ends());
-  for (let a = 0; a < n; a++) star(a, (b, c) => { if (a < min(b, c)) indices.push(a, b, c); });
+  for (let a = 0; a < n; a++) star(a, (b, c) => a < min(b, c) && indices.push(a, b, c));
   return {
     positions: Float32Array.from(x.flatMap((x, v) => [x, y[v]])), colors: Uint8Array.from(colors), indices: Uint32Array.from(indices),
     width, height, channels: colors.length / n,

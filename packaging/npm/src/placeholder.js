@@ -71,9 +71,7 @@ export function toPixels(mesh, { pixels = 40, softness = 2 } = {}) {
   const width = side(mesh.width), height = side(mesh.height);
   let shaded = shade(mesh, width, height);
   for (let k = 0; k < softness; k++) shaded = soften(soften(shaded, width, 4), height, 4 * width);
-  const data = new Uint8ClampedArray(shaded.length);
-  shaded.forEach((x, i) => { data[i] = 255 * x / (i % 4 < 3 && shaded[i | 3] || 1); });
-  return { data, width, height };
+  return { data: Uint8ClampedArray.from(shaded, (x, i) => 255 * x / (i % 4 < 3 && shaded[i | 3] || 1)), width, height };
 }
 
 // The bytes of 32 bits.
