@@ -150,7 +150,7 @@ export function makeTriangles(x, y) {
   const edges = x.map(() => Array(x.length));
   // The point across from an edge, or -1, and its round.
   const apex = (a, b) => (edges[a][b] & EDGE - 1) - 1;
-  const since = (a, b) => edges[a][b] / EDGE | 0;
+  const since = (a, b) => edges[a][b] >> 11;  // over EDGE
   const set = (a, b, c, round) => {
     edges[a][b] = EDGE * round + c + 1;
     edges[b][c] = EDGE * round + a + 1;
@@ -176,10 +176,13 @@ export function makeTriangles(x, y) {
     // Of points to the left, the one whose product over its area is least; rounded, quotients that differ may be equal, but are never the other way.
     let c = -1, least = Infinity;
     for (let d = 0; d < x.length; d++) {
-      const u = x[d] - x[a], v = y[d] - y[a], area = dx * v - dy * u, value = (u * (u - dx) + v * (v - dy)) / area;
-      if (area > 0 && (value < least || (value === least && isInside(a, b, c, d)))) {
-        c = d;
-        least = value;
+      const u = x[d] - x[a], v = y[d] - y[a], area = dx * v - dy * u;
+      if (area > 0) {
+        const value = (u * (u - dx) + v * (v - dy)) / area;
+        if (value < least || (value === least && isInside(a, b, c, d))) {
+          c = d;
+          least = value;
+        }
       }
     }
     if (c < 0) return;
