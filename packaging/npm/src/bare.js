@@ -169,11 +169,10 @@ export function makeTriangles(x, y) {
     const other = (point) => (point === least ? d : point);
     return value > 0 || (!value && (least === d || turn(other(a), other(b), other(c)) < 0));
   };
-  // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
-  const begin = (a, b) => {
-    if (edges[a][b]) return;
+  // Of points to the left of an edge, the one whose product over its area is least, or -1; rounded, quotients that differ may be equal, but are
+  // never the other way.
+  const across = (a, b) => {
     const dx = x[b] - x[a], dy = y[b] - y[a];
-    // Of points to the left, the one whose product over its area is least; rounded, quotients that differ may be equal, but are never the other way.
     let c = -1, least = Infinity;
     for (let d = 0; d < x.length; d++) {
       const u = x[d] - x[a], v = y[d] - y[a], area = dx * v - dy * u;
@@ -185,6 +184,11 @@ export function makeTriangles(x, y) {
         }
       }
     }
+    return c;
+  };
+  // Makes them Delaunay's, each from a side of another; the first from an edge of the border.
+  const begin = (a, b) => {
+    const c = edges[a][b] ? -1 : across(a, b);
     if (c < 0) return;
     set(a, b, c, 0);
     begin(a, c);
