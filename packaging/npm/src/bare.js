@@ -15,11 +15,12 @@ const INNER = 48 * 1024, COUNTS = INNER + 96, ANGLES = COUNTS + 32, SHAPES = ANG
 const COLORS = NEAR + 9 * 1024, SIGNS = COLORS + 64 * 220, DIGITS = SIGNS + 64, CONTEXTS = DIGITS + 256;
 const SITE_WEIGHTS = 0, FLIP_WEIGHTS = 96, COLOR_WEIGHTS = 144, WEIGHTS = 208;
 
-export const { max, min, abs, ceil, floor, round, exp, tan, sqrt, PI } = Math;
+export const { max, min, abs, ceil, round, exp, tan, sqrt, PI } = Math;
 // Before they are rounded, all of these are 0.002 from a half at least: any engine's exp() and tan() give the numbers of docs/compact.md.
 const table = (size, body) => Array.from({ length: size }, (_, k) => round(body(k)));
 const LOGISTIC = table(46, (k) => 65536 / (1 + exp(-k / 4)));
 const COTANGENTS = table(31, (k) => 64 / tan((k + 1) * PI / 64));
+const RATES = table(161, (k) => 16384 / (2 * k + 3) | 0);  // of contexts, by their counts
 const digits = (x) => 32 - Math.clz32(x);
 const q3 = (count) => (count < 3 ? count : 3);
 const grade = (value) => (value < 4 ? value : 2 + grade(value >> 1));  // two of each number of digits
@@ -61,11 +62,14 @@ function openCode(bytes, at) {
     return bit;
   };
   const learn = (context, bit) => {
-    const way = (bit ? 2097151 : -2097152) - contexts[context];
-    contexts[context] += (way / 8 | 0) * (16384 / (2 * seen[context] + 3) | 0) / 1024 | 0;
+    const way = (bit ? 2097151 : -2097152) - contexts[context], step = (abs(way) >> 3) * RATES[seen[context]] >>> 10;
+    contexts[context] += bit ? step : -step;
     if (seen[context] < 160) seen[context]++;
   };
-  for (let k = 0; k < 4; k++) shift();
+  shift();
+  shift();
+  shift();
+  shift();
   weights.fill(21845).fill(26000, 4 * FLIP_WEIGHTS, 4 * COLOR_WEIGHTS);
   const bits = (count, value = 0) => {
     while (count-- > 0) value = 2 * value + raw(32768);
@@ -218,7 +222,7 @@ function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {
     const edges = asked;
     asked = new Set();
     for (const edge of edges) {
-      const a = edge / n | 0, b = edge % n, c = apex(a, b), d = apex(b, a), madeC = since(a, b), madeD = since(b, a);
+      const a = edge / n | 0, b = edge % n, c = apex(a, b), madeC = since(a, b), d = apex(b, a), madeD = since(b, a);
       if (c < 0 || d < 0 || madeC === now || madeD === now || turn(a, d, c) <= 0 || turn(d, b, c) <= 0) continue;
       const g = angle(c, a, b), h = angle(d, b, a);
       const phase = min(3, now) - 1, slack = max(0, min(63, 79 - g - h));
@@ -271,7 +275,7 @@ function readColors(bits, told, mixed, x, y, [, turn, star], channels, step, mea
         for (let k = 0; k < near.length; k++) sum += weights[k] * abs(numbers[near[k] * channels + channel] - from);
         return sum;
       };
-      const level = (sum) => (v ? min(18, grade(sum / (floor(total * unit / 4) + 1) | 0)) : 19);
+      const level = (sum) => (v ? min(18, grade(sum / ceil((total * unit + 1) / 4) | 0)) : 19);
       const guess = v ? round(weigh(planes, 0) / total) : step && !isDifference ? 2048 : (top + 1) >> 1;
       const spread = level(weigh(planes, guess)), off = level(weigh(missed, 0));
       const other = min(9, size1) + (size2 > size1 ? 10 : 0), place = min(19, digits(nearest)) * 8 + min(7, near.length);
