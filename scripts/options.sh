@@ -52,17 +52,17 @@ options() {
 -o a.glb --outline
 LINES
 }
+command=$PWD/build/asan/bin/hmesh
 runs=0 findings=0
 for image in "${images[@]}"; do
     printf '%s ...\n' "${image##*/}"
-    while read -r line; do
-        read -ra words <<<"$line"
+    while read -ra words; do
         status=0
-        (cd "$folder" && "$OLDPWD/build/asan/bin/hmesh" -q "$image" "${words[@]/IMAGE/$image}") >"$folder/said" 2>&1 </dev/null || status=$?
+        (cd "$folder" && "$command" -q "$image" "${words[@]/IMAGE/$image}") >"$folder/said" 2>&1 </dev/null || status=$?
         runs=$((runs + 1))
         if [ $status -gt 1 ] || grep -qE 'Sanitizer|runtime error|Assertion' "$folder/said"; then
             findings=$((findings + 1))
-            printf 'status %s: hmesh %s %s\n' $status "$image" "$line"
+            printf 'status %s: hmesh %s %s\n' $status "$image" "${words[*]}"
             cat "$folder/said"
         fi
     done < <(options)

@@ -237,8 +237,7 @@ class LatticeMesh {
         for (const kit::Halfedge h : topology().outgoing(v)) spokes.push_back(kit::HalfedgeMesh::edge(h));
         kit::FlipTrial<C> trial;
         for (const kit::Edge e : spokes) {
-            if (!kit::can_flip(mesh_, e) || !do_turn(e)) continue;
-            if (!topology().is_flip_ok(e)) continue;
+            if (!kit::can_flip(mesh_, e) || !do_turn(e) || !topology().is_flip_ok(e)) continue;
             kit::evaluate_flip(mesh_, e, trial);
             mesh_.flip(e, trial.moments, trial.own, trial.opposite);
             if (remove(v)) return;
