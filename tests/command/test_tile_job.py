@@ -168,10 +168,86 @@ def test_float_images_and_those_of_several_tiles_of_every_kind(hmesh):
         hmesh.done("job join job -o whole.glb -q")
 
 
+# ---- levels of detail ----
+def halves(step):
+    """How much of each pixel of a line is in the line of `step` px around it."""
+    return [(d, 0.5 if abs(d) == step // 2 and step > 1 else 1) for d in range(-(step // 2), step // 2 + 1)]
+
+
+def mean_around(x, y, step, channels=3, value=sample, width=WIDTH, height=HEIGHT):
+    """The mean of the square of step x step px around pixel (x, y), of what there is of it, as it is stored."""
+    parts = [(x + i, y + j, p * q) for i, p in halves(step) for j, q in halves(step)
+             if 0 <= x + i < width and 0 <= y + j < height]
+    area = sum(part for _, _, part in parts)
+    return [math.floor(sum(part * value(i, j, c) for i, j, part in parts) / area + 0.5) for c in range(channels)]
+
+
+def test_levels_are_meshes_of_the_image_at_half_the_size_each_and_stand_in_one_place(hmesh):
+    looks, shares, made, seams, index = plan(hmesh, OPTIONS + " --levels 3")
+    assert shares == ["shares_0", "shares_1", "shares_2"]
+    finish(hmesh)
+    assert "joined     2070 vertices" in hmesh.done("job join job -o whole.ply")  # of level 0
+    hmesh.done("job join job -o served --format ply -q")
+    index = json.loads(read("served/index.json"))
+    assert [level["step"] for level in index["levels"]] == [1, 2, 4]
+    assert [level["vertices"] for level in index["levels"]] == [2070, 518, 129]
+    assert [(level["width"], level["height"]) for level in index["levels"]] == [(230, 150), (115, 75), (58, 38)]
+    assert len(made) == len(looks) == len(index["tiles"]) == sum(1 for _ in Path("served").rglob("*.ply"))
+    places, sides = {}, {}
+    for t in index["tiles"]:
+        level, step = t["level"], index["levels"][t["level"]]["step"]
+        number, column = t["file"][2:].split(".")[0].split("_")
+        assert t["file"].startswith(f"{level}/") and t["width"] <= TILE + 1 and t["height"] <= TILE + 1
+        box = t["x"], t["y"], t["x"] + t["width"] - 1, t["y"] + t["height"] - 1
+        places[level, int(column), int(number)] = [step * k for k in box]
+        # In px of the image, and as good as is told of the samples of its level.
+        positions, colors, corners = downward(read_ply("served/" + t["file"]))
+        own = [(x / step - t["x"], y / step) for x, y in positions]
+        picture = shown((own, colors, corners), t["width"], t["height"])
+        wanted = {(x, y): mean_around(step * (t["x"] + x), step * (t["y"] + y), step) for x, y in picture}
+        assert len(positions) == t["vertices"] and abs(psnr_of(wanted, picture) - t["psnr"]) < 1e-6
+        assert is_tiling((own, colors, corners), t["width"], t["height"])
+        for (x, y), color in zip(own, colors):
+            if x in (0, t["width"] - 1) or y in (0, t["height"] - 1):
+                sides.setdefault((level, x + t["x"], y + t["y"]), []).append(tuple(color))
+    for (level, x, y), colors in sides.items():
+        if 0 < x < index["levels"][level]["width"] - 1 and 0 < y < index["levels"][level]["height"] - 1:
+            assert len(colors) in (2, 4) and len(set(colors)) == 1
+    for (level, column, row), (x0, y0, x1, y1) in places.items():
+        if level < 2:  # its parent has it, but for the last samples before the end, which are of no coarser level
+            px0, py0, px1, py1 = places[level + 1, column // 2, row // 2]
+            assert px0 <= x0 and py0 <= y0 and x1 < px1 + 2 ** (level + 1) and y1 < py1 + 2 ** (level + 1)
+    assert index["seams"]["open"] == 0 and index["seams"]["pairs"] == sum(
+        1 for level, column, row in places for other in ((level, column + 1, row), (level, column, row + 1)) if other in places)
+
+
+def test_level_0_is_the_same_whatever_levels_there_are_if_tiles_are(hmesh):
+    draw(width=257, height=129)
+    plan(hmesh)
+    finish(hmesh)
+    plan(hmesh, OPTIONS + " --levels 3", folder="levels")
+    finish(hmesh, "levels")
+    finest = {name: content for name, content in tiles("levels/tiles").items() if name.startswith("0/")}
+    assert len(finest) == 8 and finest == {name: content for name, content in tiles().items() if name.startswith("0/")}
+
+
+def test_colours_of_what_is_transparent_do_not_show_at_any_level(hmesh):
+    image = Image.new("RGBA", (130, 70), (200, 40, 10, 255))
+    for x in range(0, 130, 2):
+        image.paste((0, 255, 0, 0), (x, 0, x + 1, 70))
+    image.save("stripes.png")
+    plan(hmesh, "--rate 20 --tile 64 --effort draft --levels 3", "stripes.png")
+    finish(hmesh)
+    hmesh.done("job join job -o served --format ply -q")
+    for path in [*Path("served/1").iterdir(), *Path("served/2").iterdir()]:
+        colors = set(read_ply(path)[1])
+        assert {color[:3] for color in colors} == {(200, 40, 10)} and all(80 < color[3] < 160 for color in colors)
+
+
 # ---- by whatever engine ----
 def test_no_order_threads_processes_or_restarts_are_seen_in_the_files(hmesh):
     looks, shares, made, seams, index = plan(hmesh)
-    assert len(looks) == len(made) == 12 and len(seams) == 3 and (shares, index) == (["shares"], ["index"])
+    assert len(looks) == len(made) == 12 and len(seams) == 3 and (shares, index) == (["shares_0"], ["index"])
     finish(hmesh)
     plan(hmesh, folder="other")
     dice = random.Random(5)
@@ -197,9 +273,9 @@ def test_status_tells_what_is_ready_and_mends(hmesh):
     assert ready() == made[8:] + seams[:1]
     finish(hmesh)
     whole = sums()
-    Path("job/tiles/0001_0002.hmc").write_bytes(read("job/tiles/0001_0002.hmc")[:-1])
+    Path("job/tiles/0/0001_0002.hmc").write_bytes(read("job/tiles/0/0001_0002.hmc")[:-1])
     assert "1 taken back" in hmesh.run("job status job --mend").stdout
-    assert ready() == ["tile_0002_0001"]
+    assert ready() == ["tile_0_0002_0001"]
     run(hmesh, made)
     hmesh.done("job status job -q")
     assert sums() == whole
@@ -239,10 +315,10 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
         hmesh.fails(sentence, f"job run job {task}")
         assert contents() == before
 
-    fails("the task look_0000_0000 is not done", shares[0])
-    fails("the task shares is not done", made[3])
+    fails("the task look_0_0000_0000 is not done", shares[0])
+    fails("the task shares_0 is not done", made[3])
     run(hmesh, looks + shares + made)
-    tile, receipt = Path("job/tiles/0000_0001.hmc"), Path("job/done/tile_0001_0000.json")
+    tile, receipt = Path("job/tiles/0/0000_0001.hmc"), Path("job/done/tile_0_0001_0000.json")
     whole, said = tile.read_bytes(), receipt.read_bytes()
     for content, sentence in [(whole[:-4], "is damaged: it has"), (whole[:90] + b"?" + whole[91:], "its bytes are not those")]:
         tile.write_bytes(content)
@@ -256,11 +332,11 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
     forge(receipt, plan="0" * 64)
     fails("is of another plan", seams[0])
     receipt.write_bytes(said)
-    forge("job/done/shares.json", plan="0" * 64)
-    Path("job/done/tile_0002_0000.json").unlink()
-    fails("is of another plan", "tile_0002_0000")
-    fails("'tile_0004_0000' is no task of this job", "tile_0004_0000")
-    fails("'look_0_0' is no task of this job", "look_0_0")
+    forge("job/done/shares_0.json", plan="0" * 64)
+    Path("job/done/tile_0_0002_0000.json").unlink()
+    fails("is of another plan", "tile_0_0002_0000")
+    for name in "tile_0_0004_0000 tile_1_0000_0000 shares_1 seams_0_0003 look_0_0_0 look_0000_0000 shares".split():
+        fails(f"'{name}' is no task of this job", name)
     os.utime("image.ppm", (1e9, 1e9))
     Path(f"job/done/{looks[0]}.json").unlink()
     fails("has been written since", looks[0])
@@ -285,12 +361,14 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     draw("row.ppm", width=300, height=1)
     hmesh.fails("is 300 x 1 px: tiles have 2 samples or more a side", "job plan row.ppm -o job")
     hmesh.fails("cannot read", "job plan no.ppm -o job")
+    draw("small.ppm", width=9, height=16)
+    hmesh.fails("small.ppm' has 4 levels, not 5: it has too few pixels for more", "job plan small.ppm -o job --levels 5")
     draw()
     hmesh.fails("is no folder", "job plan image.ppm -o color.ppm")
     assert not Path("job").exists()
     plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
     run(hmesh, phases()[0])
-    hmesh.fails("the sides of 12 tiles need", "job run job shares")
+    hmesh.fails("the sides of 12 tiles need", "job run job shares_0")
 
 
 @pytest.mark.parametrize("words, sentence", rows("""
@@ -301,6 +379,8 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     job plan a.png b.png -o job                | are two images
     job plan - -o job                          | the standard input is no file
     job plan a.png -o job --tile 63            | --tile '63' must be from 64 to 65536
+    job plan a.png -o job --levels 0           | --levels '0' must be from 1 to 10
+    job plan a.png -o job --levels 11          | --levels '11' must be from 1 to 10
     job plan a.png -o job --rate 0             | --rate '0' must be above 0
     job plan a.png -o job --border-tolerance x | --border-tolerance 'x' is not a number
     job plan a.png -o job --max-error 2        | unknown option '--max-error'

@@ -685,6 +685,10 @@ void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inp
         "tiles of at most N samples from line to line, 64 to 65536 (default: 2047; up to there a tile is\n"
         "one table, which is faster)",
         [&](const std::string& text) { return parse_in_range(text, 64, 65536, out.tiles.tile); });
+    add(app, "--levels", "N",
+        "levels of detail, 1 to 10 (default: 1): each next one is of the image at half the size, with a quarter\n"
+        "of the vertices and of the tiles",
+        [&](const std::string& text) { return parse_in_range(text, 1, 10, out.tiles.levels); });
     add(app, "--border-tolerance", "X",
         "sides of tiles pass their samples within X, in stored values (default: by the mean error that\n"
         "the looks at the tiles foretell)",

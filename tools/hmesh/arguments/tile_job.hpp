@@ -18,6 +18,7 @@ struct TileOptions {
     hmesh::Effort effort = hmesh::Effort::normal;
     std::uint64_t seed = 1;
     int tile = 2047;                         // samples from line to line, at most
+    int levels = 1;                          // of detail
     std::optional<double> border_tolerance;  // stored values; none: by the mean error
 };
 

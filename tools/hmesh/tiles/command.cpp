@@ -24,8 +24,8 @@ int plan_job(const TileJob& arguments) {
     if (const std::string why = make_tile_plan(arguments, plan); !why.empty()) return fail(failed, why);
     if (arguments.quiet) return done;
     return print("input      " + plan.input.path + ", " + std::to_string(plan.width) + " x " + std::to_string(plan.height) +
-                 " px, " + std::to_string(plan.vertices) + " vertices\n" + job::lines_of(phases_of(plan)) + "written    " +
-                 plan.folder.path("plan.json") + ", build.ninja, slurm.sh, parallel.sh\n");
+                 " px, " + std::to_string(plan.level(0).vertices) + " vertices\n" + job::lines_of(phases_of(plan)) +
+                 "written    " + plan.folder.path("plan.json") + ", build.ninja, slurm.sh, parallel.sh\n");
 }
 
 int run_tasks(const TileJob& arguments) {

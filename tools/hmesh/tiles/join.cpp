@@ -20,21 +20,22 @@ namespace {
 
 using job::Json;
 
-// Moves a tile's mesh to its place in the whole. Positions are multiples of 1/256 px up to 65536: floats hold them.
+// Moves a tile's mesh to its place in the whole. Positions are multiples of 1/256 sample up to 65536 px: floats hold them.
 void place(const TilePlan& plan, const TileTask& tile, hmesh::Mesh& mesh) {
     const hmesh::kit::Rect rect = rect_of(plan, tile);
+    const auto step = static_cast<float>(plan.level(tile.level).step);
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
-        mesh.positions[2 * v] += static_cast<float>(rect.x);
-        mesh.positions[2 * v + 1] += static_cast<float>(rect.y);
+        mesh.positions[2 * v] = step * (mesh.positions[2 * v] + static_cast<float>(rect.x));
+        mesh.positions[2 * v + 1] = step * (mesh.positions[2 * v + 1] + static_cast<float>(rect.y));
     }
     mesh.width = plan.width;
     mesh.height = plan.height;
 }
 
-// Puts tiles together, row after row: vertices of seams are those of the tile in the west or above.
+// Puts tiles of the finest level together, row after row: vertices of seams are those of the tile in the west or above.
 class Joiner {
   public:
-    explicit Joiner(const TilePlan& plan) : plan_(plan), south_(static_cast<std::size_t>(plan.across())) {}
+    explicit Joiner(const TilePlan& plan) : plan_(plan), south_(static_cast<std::size_t>(plan.level(0).across())) {}
 
     [[nodiscard]] std::string add(const TileTask& tile) {
         TileFacts facts;
@@ -101,10 +102,10 @@ std::string in_words(std::size_t vertices, std::size_t faces) {
 
 std::string join_into_file(const TilePlan& plan, const std::string& output, std::string& said) {
     Joiner joiner(plan);
-    for (int y = 0; y < plan.down(); ++y)
-        for (int x = 0; x < plan.across(); ++x) {
+    for (int y = 0; y < plan.level(0).down(); ++y)
+        for (int x = 0; x < plan.level(0).across(); ++x) {
             if (interrupted) return "interrupted; nothing is written";
-            if (std::string why = joiner.add({TileTaskKind::tile, x, y}); !why.empty()) return why;
+            if (std::string why = joiner.add({TileTaskKind::tile, 0, x, y}); !why.empty()) return why;
         }
     const hmesh::Mesh& whole = joiner.whole;
     said = in_words(whole.vertex_count(), whole.face_count());
@@ -116,6 +117,31 @@ std::string join_into_file(const TilePlan& plan, const std::string& output, std:
     });
 }
 
+namespace {
+
+// A tile's file in a folder of tiles, by its ending.
+std::string bytes_of_tile(const TilePlan& plan, const TileTask& tile, const std::string& ending,
+                          std::vector<unsigned char>& bytes) {
+    bytes.clear();
+    TileFacts facts;
+    if (ending == ".hmc") {
+        if (std::string why = find_tile(plan, tile, facts); !why.empty()) return why;
+        return job::read_made(plan.folder, facts.file, bytes);
+    }
+    hmesh::Mesh mesh;
+    if (std::string why = read_tile(plan, tile, facts, mesh); !why.empty()) return why;
+    place(plan, tile, mesh);
+    const auto sink = [&](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const unsigned char*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+    const hmesh::Status status = write_mesh(mesh.view(), ending, {}, sink);
+    return status ? "" : "cannot make " + file_of(plan, tile) + ending + ": " + tool::in_words(status);
+}
+
+}  // namespace
+
 std::string join_into_folder(const TilePlan& plan, const std::string& output, const std::string& ending, std::string& said) {
     Json facts;
     const job::Done done = job::find_done(plan.folder, plan.identity, "index", job::Look::sizes, facts);
@@ -124,38 +150,22 @@ std::string join_into_folder(const TilePlan& plan, const std::string& output, co
     if (std::string why = job::read_made(plan.folder, done.made.front(), bytes); !why.empty()) return why;
     Json index = Json::parse(bytes.begin(), bytes.end());
     const job::Folder to(output);
-    FormatOptions format;
     std::size_t number = 0;
-    for (int y = 0; y < plan.down(); ++y)
-        for (int x = 0; x < plan.across(); ++x) {
-            if (interrupted) return "interrupted; '" + output + "' has no index yet";
-            const TileTask tile{TileTaskKind::tile, x, y};
-            TileFacts of_tile;
-            hmesh::Mesh mesh;
-            bytes.clear();
-            if (ending == ".hmc") {
-                if (std::string why = find_tile(plan, tile, of_tile); !why.empty()) return why;
-                if (std::string why = job::read_made(plan.folder, of_tile.file, bytes); !why.empty()) return why;
-            } else {
-                if (std::string why = read_tile(plan, tile, of_tile, mesh); !why.empty()) return why;
-                place(plan, tile, mesh);
-                const auto sink = [&](const void* from, std::size_t size) {
-                    const auto* const first = static_cast<const unsigned char*>(from);
-                    bytes.insert(bytes.end(), first, first + size);
-                    return true;
-                };
-                if (const hmesh::Status status = write_mesh(mesh.view(), ending, format, sink); !status)
-                    return "cannot make " + file_of(plan, tile) + ending + ": " + tool::in_words(status);
+    for (int level = 0; level < static_cast<int>(plan.levels.size()); ++level)
+        for (int y = 0; y < plan.level(level).down(); ++y)
+            for (int x = 0; x < plan.level(level).across(); ++x) {
+                if (interrupted) return "interrupted; '" + output + "' has no index yet";
+                const TileTask tile{TileTaskKind::tile, level, x, y};
+                if (std::string why = bytes_of_tile(plan, tile, ending, bytes); !why.empty()) return why;
+                job::Made made;
+                if (std::string why = job::write_made(to, file_of(plan, tile) + ending, bytes.data(), bytes.size(), made);
+                    !why.empty())
+                    return why;
+                Json& entry = index["tiles"][number++];
+                entry["file"] = made.name;
+                entry["bytes"] = made.bytes;
+                entry["sha256"] = made.sha256;
             }
-            job::Made made;
-            if (std::string why = job::write_made(to, file_of(plan, tile) + ending, bytes.data(), bytes.size(), made);
-                !why.empty())
-                return why;
-            Json& entry = index["tiles"][number++];
-            entry["file"] = made.name;
-            entry["bytes"] = made.bytes;
-            entry["sha256"] = made.sha256;
-        }
     said = std::to_string(number) + " tiles";
     const std::string text = index.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     return to.write("index.json", text);

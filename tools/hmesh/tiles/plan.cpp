@@ -15,19 +15,6 @@ using job::Json;
 constexpr char program[] = "hmesh";
 constexpr std::size_t most_tiles = 100000;
 
-// The samples on the lines across a side of `size` samples, as far apart as one another and no further than a tile's side.
-std::vector<int> lines(int size, int tile) {
-    const std::int64_t cells = size - 1, count = (cells + tile - 1) / tile;
-    std::vector<int> at;
-    for (std::int64_t k = 0; k <= count; ++k) at.push_back(static_cast<int>((2 * k * cells + count) / (2 * count)));
-    return at;
-}
-
-void cut(TilePlan& plan) {
-    plan.columns = lines(plan.width, plan.options.tile);
-    plan.rows = lines(plan.height, plan.options.tile);
-}
-
 std::string of_samples(int width, int height, int channels, int bits) {
     return std::to_string(width) + " x " + std::to_string(height) + " samples of " + std::to_string(channels) + " channels and " +
            std::to_string(bits) + " bits";
@@ -50,14 +37,16 @@ std::string make_tile_plan(const TileJob& job, TilePlan& plan) {
         return "'" + path + "' is " + std::to_string(plan.width) + " x " + std::to_string(plan.height) +
                " px: tiles have 2 samples or more a side";
     plan.options = job.tiles;
-    cut(plan);
-    if (plan.tile_count() > most_tiles)
-        return "'" + path + "' would be " + std::to_string(plan.tile_count()) + " tiles, more than " +
-               std::to_string(most_tiles) + ": take larger ones by --tile";
     const double samples = static_cast<double>(plan.width) * plan.height;
     const bool is_share = job.target.kind == hmesh::Target::Kind::percent;
     const double wanted = is_share ? std::round(samples * job.target.value / 100) : job.target.value;
-    plan.vertices = static_cast<std::size_t>(std::max(4.0, std::min(samples, wanted)));
+    plan.levels = find_levels(plan.width, plan.height, static_cast<std::size_t>(wanted), plan.options.tile, plan.options.levels);
+    if (const auto levels = static_cast<int>(plan.levels.size()); levels < plan.options.levels)
+        return "'" + path + "' has " + std::to_string(levels) + " levels, not " + std::to_string(plan.options.levels) +
+               ": it has too few pixels for more";
+    if (const std::size_t count = plan.levels[0].tile_count(); count > most_tiles)
+        return "'" + path + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
+               ": take larger ones by --tile";
 
     Json body = job::begin_plan(program);
     body["input"] = job::value_of(plan.input);
@@ -66,7 +55,8 @@ std::string make_tile_plan(const TileJob& job, TilePlan& plan) {
     body["channels"] = head.channels;
     body["bits"] = head.bits;
     body["tile"] = plan.options.tile;
-    body["vertices"] = plan.vertices;
+    body["vertices"] = plan.levels[0].vertices;
+    body["levels"] = plan.options.levels;
     body["effort"] = name_of(efforts, plan.options.effort);
     body["seed"] = plan.options.seed;
     body["border_tolerance"] = nullptr;
@@ -87,14 +77,15 @@ std::string read_tile_plan(const std::string& folder, const std::string& input, 
     plan.height = body["height"].get<int>();
     plan.channels = body["channels"].get<int>();
     plan.bits = body["bits"].get<int>();
-    plan.vertices = body["vertices"].get<std::size_t>();
     plan.options.tile = body["tile"].get<int>();
+    plan.options.levels = body["levels"].get<int>();
     plan.options.seed = body["seed"].get<std::uint64_t>();
     if (const Json& tolerance = body["border_tolerance"]; !tolerance.is_null())
         plan.options.border_tolerance = tolerance.get<double>();
     if (const std::string why = find_name(efforts, body["effort"].get<std::string>(), plan.options.effort); !why.empty())
         return "'" + plan.folder.path("plan.json") + "' has an effort that " + why;
-    cut(plan);
+    plan.levels =
+        find_levels(plan.width, plan.height, body["vertices"].get<std::size_t>(), plan.options.tile, plan.options.levels);
     return {};
 }
 
@@ -109,13 +100,14 @@ std::string open_planned(const TilePlan& plan, TileImage& image) {
 }
 
 std::string name_of(const TilePlan& plan, const TileTask& task) {
-    const auto x = [&] { return "_" + job::digits(task.x, plan.across() - 1); };
-    const auto y = [&] { return "_" + job::digits(task.y, plan.down() - 1); };
+    const TileLevel& level = plan.level(task.level);
+    const std::string number = "_" + std::to_string(task.level), y = "_" + job::digits(task.y, level.down() - 1);
+    const std::string place = number + "_" + job::digits(task.x, level.across() - 1) + y;
     switch (task.kind) {
-        case TileTaskKind::look: return "look" + x() + y();
-        case TileTaskKind::shares: return "shares";
-        case TileTaskKind::tile: return "tile" + x() + y();
-        case TileTaskKind::seams: return "seams" + y();
+        case TileTaskKind::look: return "look" + place;
+        case TileTaskKind::shares: return "shares" + number;
+        case TileTaskKind::tile: return "tile" + place;
+        case TileTaskKind::seams: return "seams" + number + y;
         case TileTaskKind::index: break;
     }
     return "index";
@@ -125,40 +117,49 @@ std::string find_task(const TilePlan& plan, const std::string& name, TileTask& t
     const auto [kind, numbers] = job::parts_of(name);
     const auto number = [&, &all = numbers](std::size_t k) { return k < all.size() ? all[k] : 0; };
     task = {};
-    if (kind == "look") task = {TileTaskKind::look, number(0), number(1)};
-    if (kind == "shares") task.kind = TileTaskKind::shares;
-    if (kind == "tile") task = {TileTaskKind::tile, number(0), number(1)};
-    if (kind == "seams") task = {TileTaskKind::seams, 0, number(0)};
-    return task.x < plan.across() && task.y < plan.down() && name_of(plan, task) == name ? "" : job::no_task(name);
+    if (kind == "look") task = {TileTaskKind::look, number(0), number(1), number(2)};
+    if (kind == "shares") task = {TileTaskKind::shares, number(0), 0, 0};
+    if (kind == "tile") task = {TileTaskKind::tile, number(0), number(1), number(2)};
+    if (kind == "seams") task = {TileTaskKind::seams, number(0), 0, number(1)};
+    const bool is_there = static_cast<std::size_t>(task.level) < plan.levels.size() && task.x < plan.level(task.level).across() &&
+                          task.y < plan.level(task.level).down();
+    return is_there && name_of(plan, task) == name ? "" : job::no_task(name);
 }
 
 std::vector<job::Phase> phases_of(const TilePlan& plan) {
-    std::vector<job::Phase> phases = {
-        {"looks", {}}, {"shares", {{"shares", {}}}}, {"tiles", {}}, {"seams", {}}, {"index", {{"index", {}}}}};
-    job::Task &shares = phases[1].tasks[0], &index = phases[4].tasks[0];
-    for (int y = 0; y < plan.down(); ++y) {
-        job::Task seams{name_of(plan, {TileTaskKind::seams, 0, y}), {}};
-        for (int x = 0; x < plan.across(); ++x) {
-            const std::string look = name_of(plan, {TileTaskKind::look, x, y}), tile = name_of(plan, {TileTaskKind::tile, x, y});
-            phases[0].tasks.push_back({look, {}});
-            shares.needs.push_back(look);
-            phases[2].tasks.push_back({tile, {"shares"}});
-            seams.needs.push_back(tile);
-            if (y + 1 < plan.down()) seams.needs.push_back(name_of(plan, {TileTaskKind::tile, x, y + 1}));
+    std::vector<job::Phase> phases = {{"looks", {}}, {"shares", {}}, {"tiles", {}}, {"seams", {}}, {"index", {{"index", {}}}}};
+    for (int k = 0; k < static_cast<int>(plan.levels.size()); ++k) {
+        const TileLevel& level = plan.level(k);
+        job::Task shares{name_of(plan, {TileTaskKind::shares, k, 0, 0}), {}};
+        for (int y = 0; y < level.down(); ++y) {
+            job::Task seams{name_of(plan, {TileTaskKind::seams, k, 0, y}), {}};
+            for (int x = 0; x < level.across(); ++x) {
+                const std::string look = name_of(plan, {TileTaskKind::look, k, x, y});
+                const std::string tile = name_of(plan, {TileTaskKind::tile, k, x, y});
+                phases[0].tasks.push_back({look, {}});
+                shares.needs.push_back(look);
+                phases[2].tasks.push_back({tile, {shares.name}});
+                seams.needs.push_back(tile);
+                if (y + 1 < level.down()) seams.needs.push_back(name_of(plan, {TileTaskKind::tile, k, x, y + 1}));
+            }
+            phases[4].tasks[0].needs.push_back(seams.name);
+            phases[3].tasks.push_back(std::move(seams));
         }
-        index.needs.push_back(seams.name);
-        phases[3].tasks.push_back(std::move(seams));
+        phases[1].tasks.push_back(std::move(shares));
     }
     return phases;
 }
 
 hmesh::kit::Rect rect_of(const TilePlan& plan, const TileTask& tile) {
     const auto x = static_cast<std::size_t>(tile.x), y = static_cast<std::size_t>(tile.y);
-    return {plan.columns[x], plan.rows[y], plan.columns[x + 1] - plan.columns[x] + 1, plan.rows[y + 1] - plan.rows[y] + 1};
+    const std::vector<int>&columns = plan.level(tile.level).columns, &rows = plan.level(tile.level).rows;
+    return {columns[x], rows[y], columns[x + 1] - columns[x] + 1, rows[y + 1] - rows[y] + 1};
 }
 
 std::string file_of(const TilePlan& plan, const TileTask& tile) {
-    return job::digits(tile.y, plan.down() - 1) + "_" + job::digits(tile.x, plan.across() - 1);
+    const TileLevel& level = plan.level(tile.level);
+    return std::to_string(tile.level) + "/" + job::digits(tile.y, level.down() - 1) + "_" +
+           job::digits(tile.x, level.across() - 1);
 }
 
 }  // namespace tool

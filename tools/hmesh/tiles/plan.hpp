@@ -1,14 +1,14 @@
 // tools - TilePlan: what a job of `hmesh job` makes, as its file plan.json says it: the image, the options and how it is cut. Its
 // tasks follow from it:
 //
-//     look_X_Y    how the error of a tile falls with its vertices, and how many its sides need: in its receipt
-//     shares      how many vertices each tile gets, and how closely its sides follow their samples: in its receipt
-//     tile_X_Y    the mesh of a tile, from the image and the shares: a file of tiles/
-//     seams_Y     whether the tiles of a row, and of the row below, meet bit for bit: from their files
-//     index       what all tiles are together: tiles/index.json
+//     look_L_X_Y    how the error of a tile of level L falls with its vertices, and how many its sides need: its receipt
+//     shares_L      how many vertices each tile of the level gets, and how closely sides follow their samples: its receipt
+//     tile_L_X_Y    the mesh of a tile, from the image and the shares: a file of tiles/
+//     seams_L_Y     whether the tiles of a row, and of the row below, meet bit for bit: its receipt
+//     index         what all tiles are together: tiles/index.json
 //
 // Neighbours share a row of samples, which are points here (hmesh/mesh/samples.hpp), and a tile's side follows from that row
-// alone (hmesh::Annealed::border_tolerance): so no tile waits for another, and there is one reduction, that of the shares.
+// alone (hmesh::Annealed::border_tolerance): so no tile waits for another, and there is one reduction a level, the shares.
 #ifndef HMESH_TOOLS_TILES_PLAN_HPP
 #define HMESH_TOOLS_TILES_PLAN_HPP
 
@@ -22,6 +22,7 @@
 #include "job/folder.hpp"
 #include "job/input.hpp"
 #include "job/phases.hpp"
+#include "tiles/levels.hpp"
 #include "tiles/tile_image.hpp"
 
 namespace tool {
@@ -32,20 +33,17 @@ struct TilePlan {
     job::Input input;
     std::string path;  // of the image on this machine
     int width = 0, height = 0, channels = 0, bits = 0;
-    std::size_t vertices = 0;  // of the whole
     TileOptions options;
-    std::vector<int> columns, rows;  // samples on the lines between tiles, the first and the last sample included
+    std::vector<TileLevel> levels;  // the finest first
 
-    [[nodiscard]] int across() const noexcept { return static_cast<int>(columns.size()) - 1; }
-    [[nodiscard]] int down() const noexcept { return static_cast<int>(rows.size()) - 1; }
-    [[nodiscard]] std::size_t tile_count() const noexcept { return (columns.size() - 1) * (rows.size() - 1); }
+    [[nodiscard]] const TileLevel& level(int number) const { return levels[static_cast<std::size_t>(number)]; }
 };
 
 enum class TileTaskKind : std::uint8_t { look, shares, tile, seams, index };
 
 struct TileTask {
     TileTaskKind kind = TileTaskKind::index;
-    int x = 0, y = 0;  // of a look and a tile; of seams y
+    int level = 0, x = 0, y = 0;  // of a look and a tile; of shares the level, of seams level and y
 };
 
 // What returns a string returns "" or what is wrong, a sentence.
@@ -63,9 +61,9 @@ struct TileTask {
 [[nodiscard]] std::string name_of(const TilePlan& plan, const TileTask& task);
 [[nodiscard]] std::string find_task(const TilePlan& plan, const std::string& name, TileTask& task);
 
-// The samples of a tile, those that it shares with its neighbours included.
+// The samples of its level that a tile has, those that it shares with its neighbours included.
 [[nodiscard]] hmesh::kit::Rect rect_of(const TilePlan& plan, const TileTask& tile);
-// Its file's name without ending: row, then column, so that names sort as the picture is read.
+// Its file's name without ending: level, row, column, so that names sort as the picture is read.
 [[nodiscard]] std::string file_of(const TilePlan& plan, const TileTask& tile);
 
 }  // namespace tool

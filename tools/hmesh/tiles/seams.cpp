@@ -45,16 +45,16 @@ void compare(const std::vector<SideVertex>& one, const std::vector<SideVertex>& 
 
 }  // namespace
 
-std::string find_seams(const TilePlan& plan, int y, TileSeams& seams) {
+std::string find_seams(const TilePlan& plan, int level, int y, TileSeams& seams) {
     seams = {};
     Sides before, here, below;
-    for (int x = 0; x < plan.across(); ++x) {
-        const TileTask tile{TileTaskKind::tile, x, y};
-        const auto with = [&](int i, int j) { return name_of(plan, {TileTaskKind::tile, i, j}) + " and "; };
+    for (int x = 0; x < plan.level(level).across(); ++x) {
+        const TileTask tile{TileTaskKind::tile, level, x, y};
+        const auto with = [&](int i, int j) { return name_of(plan, {TileTaskKind::tile, level, i, j}) + " and "; };
         if (std::string why = read_sides(plan, tile, here); !why.empty()) return why;
         if (x > 0) compare(before.east, here.west, with(x - 1, y) + name_of(plan, tile), seams);
-        if (y + 1 < plan.down()) {
-            const TileTask next{TileTaskKind::tile, x, y + 1};
+        if (y + 1 < plan.level(level).down()) {
+            const TileTask next{TileTaskKind::tile, level, x, y + 1};
             if (std::string why = read_sides(plan, next, below); !why.empty()) return why;
             compare(here.south, below.north, with(x, y) + name_of(plan, next), seams);
         }

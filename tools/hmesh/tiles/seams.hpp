@@ -13,11 +13,11 @@ struct TileSeams {
     std::int64_t pairs = 0;   // of neighbours
     std::int64_t shared = 0;  // vertices that are the same, of all pairs
     std::int64_t open = 0;    // vertices of a pair that the other has not
-    std::string first;        // "tile_0000_0000 and tile_0001_0000": the first open pair
+    std::string first;        // "tile_0_0000_0000 and tile_0_0001_0000": the first open pair
 };
 
-// Of the row's tiles from west to east and with the row below it. Returns "" or what is wrong, a sentence.
-[[nodiscard]] std::string find_seams(const TilePlan& plan, int y, TileSeams& seams);
+// Of the tiles of a level's row from west to east and with the row below it. Returns "" or what is wrong, a sentence.
+[[nodiscard]] std::string find_seams(const TilePlan& plan, int level, int y, TileSeams& seams);
 
 }  // namespace tool
 

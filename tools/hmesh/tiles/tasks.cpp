@@ -12,7 +12,6 @@
 #include "results/mesh_file.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
-#include "tiles/seams.hpp"
 #include "writers/formats.hpp"
 
 namespace tool {
@@ -42,6 +41,13 @@ std::vector<double> tolerances_of(const TilePlan& plan, double peak) {
 
 Json value_of(const TileSeams& seams) {
     return {{"pairs", seams.pairs}, {"shared", seams.shared}, {"open", seams.open}, {"first", seams.first}};
+}
+
+void add(const TileSeams& seams, TileSeams& all) {
+    all.pairs += seams.pairs;
+    all.shared += seams.shared;
+    all.open += seams.open;
+    if (all.first.empty()) all.first = seams.first;
 }
 
 std::string in_words(const TileSeams& seams) {
@@ -80,7 +86,7 @@ std::string TileWorker::read(const TileTask& task, ImageFile& tile) {
             image_.reset();
             return why;
         }
-    const std::string why = image_->read(rect_of(plan_, task), tile);
+    const std::string why = image_->read(rect_of(plan_, task), plan_.level(task.level).step, tile);
     return why.empty() ? "" : "cannot read '" + plan_.path + "': " + why;
 }
 
@@ -89,8 +95,9 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     if (std::string why = read(task, tile); !why.empty()) return why;
     // Half as many vertices as its pixels would get, and down to an eighth: cheap, and near enough. So is half the size
     // where vertices are some pixels apart in it.
-    const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(plan_.width) * plan_.height;
-    const double rate = static_cast<double>(plan_.vertices) / all, count = std::max(4.0, std::floor(0.5 * rate * pixels));
+    const TileLevel& level = plan_.level(task.level);
+    const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(level.width) * level.height;
+    const double rate = static_cast<double>(level.vertices) / all, count = std::max(4.0, std::floor(0.5 * rate * pixels));
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
     ImageFile half;
     const bool is_halved = rate < 1.0 / 32 && std::min(tile.width, tile.height) >= 64;
@@ -102,20 +109,21 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     if (!lods.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(lods.status);
     Json trials = Json::array(), sides = Json::array();
     const double area = is_halved ? 4 : 1;  // of a pixel that was tried
-    for (const hmesh::Result& level : lods.levels) trials.push_back({level.report.vertices, area * level.report.energy});
+    for (const hmesh::Result& trial : lods.levels) trials.push_back({trial.report.vertices, area * trial.report.energy});
     for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_, peak_of(tile)))) sides.push_back(counts);
     facts = {
         {"trials", trials}, {"lost", lost}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
     return {};
 }
 
-std::string TileWorker::share(Json& facts) {
+std::string TileWorker::share(int number, Json& facts) {
+    const TileLevel& level = plan_.level(number);
     std::vector<Look> looks;
-    for (int y = 0; y < plan_.down(); ++y)
-        for (int x = 0; x < plan_.across(); ++x) {
+    for (int y = 0; y < level.down(); ++y)
+        for (int x = 0; x < level.across(); ++x) {
             job::Done done;
             Json found;
-            if (std::string why = find_facts(plan_, {TileTaskKind::look, x, y}, done, found); !why.empty()) return why;
+            if (std::string why = find_facts(plan_, {TileTaskKind::look, number, x, y}, done, found); !why.empty()) return why;
             Look& look = looks.emplace_back();
             look.lost = found["lost"].get<double>();
             look.pixels = found["pixels"].get<std::size_t>();
@@ -127,7 +135,7 @@ std::string TileWorker::share(Json& facts) {
     like.bits = plan_.bits;
     Shares shares;
     if (std::string why =
-            find_shares(looks, plan_.across(), plan_.channels, plan_.vertices, tolerances_of(plan_, peak_of(like)), shares);
+            find_shares(looks, level.across(), plan_.channels, level.vertices, tolerances_of(plan_, peak_of(like)), shares);
         !why.empty())
         return why;
     facts = {{"tolerance", shares.tolerance}, {"vertices", shares.vertices}};
@@ -138,11 +146,11 @@ std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor
                                   Json& facts) {
     job::Done done;
     Json shares;
-    if (std::string why = find_facts(plan_, {TileTaskKind::shares, 0, 0}, done, shares); !why.empty()) return why;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, task.level, 0, 0}, done, shares); !why.empty()) return why;
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
-    const auto number =
-        static_cast<std::size_t>(task.y) * static_cast<std::size_t>(plan_.across()) + static_cast<std::size_t>(task.x);
+    const auto across = static_cast<std::size_t>(plan_.level(task.level).across());
+    const std::size_t number = static_cast<std::size_t>(task.y) * across + static_cast<std::size_t>(task.x);
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
     MeshingOptions options = meshing_of(plan_, shares["vertices"][number].get<std::size_t>(), progress);
     options.border_tolerance = shares["tolerance"].get<double>();
@@ -168,9 +176,8 @@ std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor
     return {};
 }
 
-std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
-    TileSeams all;
-    Json tiles = Json::array();
+std::string TileWorker::add_level(int number, Json& facts, Json& tiles, TileSeams& seams) {
+    const TileLevel& level = plan_.level(number);
     std::size_t vertices = 0, faces = 0;
     double energy = 0, samples = 0, max_error = 0;
     ImageFile like;
@@ -179,21 +186,21 @@ std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
         const double psnr = hmesh::kit::psnr_of_energy(error, count, peak_of(like));
         return std::isfinite(psnr) ? Json(psnr) : Json("inf");
     };
-    for (int y = 0; y < plan_.down(); ++y) {
+    for (int y = 0; y < level.down(); ++y) {
         job::Done done;
         Json row;
-        if (std::string why = find_facts(plan_, {TileTaskKind::seams, 0, y}, done, row); !why.empty()) return why;
-        all.pairs += row["pairs"].get<std::int64_t>();
-        all.shared += row["shared"].get<std::int64_t>();
-        all.open += row["open"].get<std::int64_t>();
-        if (all.first.empty()) all.first = row["first"].get<std::string>();
-        for (int x = 0; x < plan_.across(); ++x) {
-            const TileTask tile{TileTaskKind::tile, x, y};
+        if (std::string why = find_facts(plan_, {TileTaskKind::seams, number, 0, y}, done, row); !why.empty()) return why;
+        add({row["pairs"].get<std::int64_t>(), row["shared"].get<std::int64_t>(), row["open"].get<std::int64_t>(),
+             row["first"].get<std::string>()},
+            seams);
+        for (int x = 0; x < level.across(); ++x) {
+            const TileTask tile{TileTaskKind::tile, number, x, y};
             TileFacts of_tile;
             if (std::string why = find_tile(plan_, tile, of_tile); !why.empty()) return why;
             const hmesh::kit::Rect rect = rect_of(plan_, tile);
             const double count = static_cast<double>(rect.width) * rect.height * plan_.channels;
-            tiles.push_back({{"file", file_of(plan_, tile) + ".hmc"},
+            tiles.push_back({{"level", number},
+                             {"file", file_of(plan_, tile) + ".hmc"},
                              {"x", rect.x},
                              {"y", rect.y},
                              {"width", rect.width},
@@ -211,15 +218,36 @@ std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
             max_error = std::max(max_error, of_tile.max_error);
         }
     }
-    // Of a crossing of seams two pairs side by side and two one above the other tell, and four tiles have it.
-    const auto crossings = static_cast<std::size_t>(plan_.across() - 1) * static_cast<std::size_t>(plan_.down() - 1);
-    facts = value_of(all);
-    facts["vertices"] = vertices + crossings - static_cast<std::size_t>(all.shared);
-    facts["faces"] = faces;
-    facts["psnr"] = psnr_of(energy, samples);
     job::Done done;
     Json shares;
-    if (std::string why = find_facts(plan_, {TileTaskKind::shares, 0, 0}, done, shares); !why.empty()) return why;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, number, 0, 0}, done, shares); !why.empty()) return why;
+    // Of a crossing of seams two pairs side by side and two one above the other tell, and four tiles have it.
+    const auto crossings = static_cast<std::size_t>(level.across() - 1) * static_cast<std::size_t>(level.down() - 1);
+    facts = {{"step", level.step},
+             {"width", level.width},
+             {"height", level.height},
+             {"border_tolerance", shares["tolerance"]},
+             {"vertices", vertices + crossings - static_cast<std::size_t>(seams.shared)},
+             {"faces", faces},
+             {"psnr", psnr_of(energy, samples)},
+             {"max_error", max_error},
+             {"shared", seams.shared}};
+    return {};
+}
+
+std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
+    Json levels = Json::array(), tiles = Json::array();
+    TileSeams all;
+    for (int number = 0; number < static_cast<int>(plan_.levels.size()); ++number) {
+        TileSeams seams;
+        Json& level = levels.emplace_back();
+        if (std::string why = add_level(number, level, tiles, seams); !why.empty()) return why;
+        if (number == 0) facts = level;
+        add(seams, all);
+    }
+    facts["open"] = all.open;
+    facts["first"] = all.first;
+    const Json& finest = levels[0];
     const Json index = {{"made_by", "hmesh " HMESH_VERSION_STRING},
                         {"plan", plan_.identity},
                         {"input", plan_.input.path},
@@ -230,12 +258,13 @@ std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
                         {"samples", "points"},
                         {"effort", name_of(efforts, plan_.options.effort)},
                         {"seed", plan_.options.seed},
-                        {"border_tolerance", shares["tolerance"]},
-                        {"vertices", facts["vertices"]},
-                        {"faces", faces},
-                        {"psnr", facts["psnr"]},
-                        {"max_error", max_error},
+                        {"border_tolerance", finest["border_tolerance"]},
+                        {"vertices", finest["vertices"]},
+                        {"faces", finest["faces"]},
+                        {"psnr", finest["psnr"]},
+                        {"max_error", finest["max_error"]},
                         {"seams", value_of(all)},
+                        {"levels", levels},
                         {"tiles", tiles}};
     const std::string text = index.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     made.emplace_back();
@@ -254,7 +283,7 @@ std::string TileWorker::run(const TileTask& task, const hmesh::ParallelFor& para
                 return done(why, why.empty() ? facts["trials"][0][0].dump() + " vertices tried" : "");
             }
             case TileTaskKind::shares: {
-                const std::string why = share(facts);
+                const std::string why = share(task.level, facts);
                 return done(why, why.empty() ? "sides within " + facts["tolerance"].dump() : "");
             }
             case TileTaskKind::tile: {
@@ -263,7 +292,7 @@ std::string TileWorker::run(const TileTask& task, const hmesh::ParallelFor& para
             }
             case TileTaskKind::seams: {
                 TileSeams seams;
-                const std::string why = find_seams(plan_, task.y, seams);
+                const std::string why = find_seams(plan_, task.level, task.y, seams);
                 facts = value_of(seams);
                 return done(why, in_words(seams));
             }

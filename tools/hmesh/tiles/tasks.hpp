@@ -11,6 +11,7 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "job/receipt.hpp"
 #include "tiles/plan.hpp"
+#include "tiles/seams.hpp"
 #include "tiles/shares.hpp"
 #include "tiles/tile_image.hpp"
 
@@ -29,9 +30,11 @@ class TileWorker {
   private:
     [[nodiscard]] std::string read(const TileTask& task, ImageFile& tile);
     [[nodiscard]] std::string look(const TileTask& task, const hmesh::ParallelFor& parallel_for, job::Json& facts);
-    [[nodiscard]] std::string share(job::Json& facts);
+    [[nodiscard]] std::string share(int number, job::Json& facts);
     [[nodiscard]] std::string make_tile(const TileTask& task, const hmesh::ParallelFor& parallel_for,
                                         std::vector<job::Made>& made, job::Json& facts);
+    // What a level is as a whole, and its tiles.
+    [[nodiscard]] std::string add_level(int number, job::Json& facts, job::Json& tiles, TileSeams& seams);
     [[nodiscard]] std::string make_index(std::vector<job::Made>& made, job::Json& facts);
 
     const TilePlan& plan_;

@@ -1,13 +1,16 @@
 #include "tiles/tile_image.hpp"
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <functional>
 #include <type_traits>
 
 #include "hmesh/methods/annealed/border.hpp"
 #include "readers/rectangles.hpp"
+#include "terminal/progress_watch.hpp"
 
 namespace tool {
 namespace {
@@ -82,6 +85,46 @@ double halve(const T* from, int width, int channels, int half_width, int half_he
     return left_out;
 }
 
+// The mean of the square around a pixel, for a sample of a level. A square ends in the middle of pixels, hence halves of the
+// outermost and quarters of the corners.
+template <class T>
+class SquareMean {
+  public:
+    // Of `step` pixels a side in an image of `width` x `height`, of which `pixels` has the rectangle `known`.
+    SquareMean(const T* pixels, const hmesh::kit::Rect& known, int width, int height, int channels, int step)
+        : pixels_(pixels), known_(known), width_(width), height_(height), channels_(channels), step_(step) {}
+
+    // Of pixel (x, y) of the image.
+    void take(int x, int y, T* sample) const {
+        const int half = step_ / 2;
+        const auto has_alpha = hmesh::kit::has_alpha(channels_);
+        std::array<double, 4> sums{}, plain{};
+        double area = 0, alpha = 0;
+        for (int j = std::max(0, y - half); j <= std::min(height_ - 1, y + half); ++j)
+            for (int i = std::max(0, x - half); i <= std::min(width_ - 1, x + half); ++i) {
+                const double part = (std::abs(i - x) == half ? 0.5 : 1) * (std::abs(j - y) == half ? 0.5 : 1);
+                const T* const at = pixels_ + channels_ * ((j - known_.y) * std::ptrdiff_t{known_.width} + (i - known_.x));
+                const double weight = has_alpha ? part * static_cast<double>(at[channels_ - 1]) : part;
+                for (std::size_t c = 0; c < static_cast<std::size_t>(channels_); ++c) {
+                    plain[c] += part * static_cast<double>(at[c]);
+                    sums[c] += weight * static_cast<double>(at[c]);
+                }
+                area += part;
+                alpha += weight;
+            }
+        for (std::size_t c = 0; c < static_cast<std::size_t>(channels_); ++c) {
+            const bool is_color = has_alpha && c + 1 < static_cast<std::size_t>(channels_);
+            const double mean = is_color && alpha > 0 ? sums[c] / alpha : plain[c] / area;
+            sample[c] = static_cast<T>(std::is_integral_v<T> ? mean + 0.5 : mean);
+        }
+    }
+
+  private:
+    const T* pixels_;
+    hmesh::kit::Rect known_;
+    int width_, height_, channels_, step_;
+};
+
 }  // namespace
 
 double halve(const ImageFile& tile, ImageFile& half) {
@@ -120,6 +163,38 @@ std::string TileImage::read(const hmesh::kit::Rect& rect, ImageFile& tile) const
     for (int y = 0; y < rect.height; ++y) {
         const std::size_t first = static_cast<std::size_t>(rect.y + y) * static_cast<std::size_t>(file_.width);
         std::memcpy(to + static_cast<std::size_t>(y) * row, from + (first + static_cast<std::size_t>(rect.x)) * pixel, row);
+    }
+    return {};
+}
+
+std::string TileImage::read(const hmesh::kit::Rect& rect, int step, ImageFile& tile) const {
+    if (step == 1) return read(rect, tile);
+    tile = {};
+    tile.width = rect.width;
+    tile.height = rect.height;
+    tile.channels = file_.channels;
+    tile.bits = file_.bits;
+    make_samples(tile);
+    const int half = step / 2, rows = std::max(1, 256 / step);  // of the tile at a time, whatever its height
+    const int left = std::max(0, rect.x * step - half);
+    const int right = std::min(file_.width - 1, (rect.x + rect.width - 1) * step + half);
+    ImageFile band;
+    const auto reduce = [&](const auto& from, auto& to, const hmesh::kit::Rect& known, int first, int last) {
+        const SquareMean mean(from.data(), known, file_.width, file_.height, file_.channels, step);
+        auto* at = to.data() + tile.channels * (static_cast<std::ptrdiff_t>(first) * tile.width);
+        for (int y = first; y < last; ++y)
+            for (int x = 0; x < tile.width; ++x, at += tile.channels) mean.take((rect.x + x) * step, (rect.y + y) * step, at);
+    };
+    for (int first = 0; first < tile.height; first += rows) {
+        if (interrupted) return "interrupted";
+        const int last = std::min(first + rows, tile.height);
+        const int top = std::max(0, (rect.y + first) * step - half);
+        const int bottom = std::min(file_.height - 1, (rect.y + last - 1) * step + half);
+        const hmesh::kit::Rect known{left, top, right - left + 1, bottom - top + 1};
+        if (std::string why = read(known, band); !why.empty()) return why;
+        if (tile.bits == 8) reduce(band.samples8, tile.samples8, known, first, last);
+        else if (tile.bits == 16) reduce(band.samples16, tile.samples16, known, first, last);
+        else reduce(band.samples32, tile.samples32, known, first, last);
     }
     return {};
 }

@@ -19,10 +19,15 @@ class TileImage {
     // Its size, channels and bits; the samples too, where it cannot be read by rectangles.
     [[nodiscard]] const ImageFile& head() const noexcept { return file_; }
 
+    // The samples of a rectangle of the image at 1 / step of its size. Each is the mean of the square of step x step px around
+    // pixel (step * x, step * y), of as much of it as is in the image; colours count by their alpha. Rectangles have the same
+    // samples where they overlap. Reads bands of some 256 rows.
+    [[nodiscard]] std::string read(const hmesh::kit::Rect& rect, int step, ImageFile& tile) const;
+
+  private:
     // The pixels of a rectangle within the image.
     [[nodiscard]] std::string read(const hmesh::kit::Rect& rect, ImageFile& tile) const;
 
-  private:
     ImageFile file_;
 };
 
