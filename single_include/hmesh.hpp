@@ -7477,6 +7477,11 @@ class MomentTable {
             else fill_weighted(rect, pixels, weights, begin, end);
         });
     }
+    /// The memory of a pixel in a table of such pixels and of this width, in bytes.
+    [[nodiscard]] static std::size_t pixel_bytes(int width, const Kind& kind) noexcept {
+        if (kind.is_weighted) return (entry_size + 2) * sizeof(double) + C * sizeof(float);
+        return fits_32_bits(width, kind) ? pair_size * sizeof(std::int32_t) / strip_width : entry_size * sizeof(double);
+    }
     /// What Kind::largest is of samples of a type.
     template <class T>
     [[nodiscard]] static constexpr double largest_sample() noexcept {
@@ -7490,7 +7495,8 @@ class MomentTable {
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
-        return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
+        constexpr Kind weighted{0, false, true};
+        return entries <= most / static_cast<std::int64_t>(pixel_bytes(width, weighted));
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px
@@ -7874,6 +7880,10 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
+    /// The memory of the moment table of the whole image, in bytes.
+    [[nodiscard]] double table_bytes() const noexcept {
+        return pixels() * static_cast<double>(MomentTable<C>::pixel_bytes(width_, kind()));
+    }
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
@@ -7881,8 +7891,7 @@ class ImageSource {
         with_window(rect, [&](const SourceWindow<C>& window) {
             table = MomentTable<C>(
                 rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
-                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); },
-                {largest_, low_ < 0, is_weighted()}, parallel_for);
+                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, kind(), parallel_for);
         });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
@@ -7931,6 +7940,7 @@ class ImageSource {
     }
 
   private:
+    [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }
     HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, to);
     }
@@ -13162,9 +13172,11 @@ class TiledMesh {
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
-    /// then.
-    [[nodiscard]] bool has_whole_table() const noexcept { return is_small() && source_->periodic() == Periodic::none; }
+    /// Whether there is a moment table of the whole image: it is not periodic, and is_small() or needs no more than 256 MiB for
+    /// that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
+    [[nodiscard]] bool has_whole_table() const noexcept {
+        return source_->periodic() == Periodic::none && (is_small() || source_->table_bytes() <= 268435456.0);
+    }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
@@ -13285,7 +13297,7 @@ class TiledMesh {
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        const bool stays = whole != nullptr || is_small();
+        const bool stays = sizes.size() == 1 || is_small();
         std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::optional<Patch<C>>& patch = patches_[tile];
@@ -14474,7 +14486,7 @@ class AnnealedRun {
             const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
             if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
-            if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
+            if (tiled_->is_small() && source.periodic() == Periodic::none) tiled_->notes().point_ranks = std::move(ranks);
         }
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
@@ -15532,16 +15544,16 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are
-/// made, and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and
-/// rounded, and the energy is still true of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Colours of small images are found for the whole mesh,
+/// those of others in tiles of `tile` px. After a cancellation colours are only clamped and rounded, and the energy is still true
+/// of them.
 template <int C>
 HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
     const ImageSource<C>& source = tiled.source();
     const Tiling tiling(source.width(), source.height(), tile);
     if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
     FinalColors out;
-    if ((tiling.size() == 1 || tiled.has_whole_table()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
+    if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
             if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))

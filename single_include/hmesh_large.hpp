@@ -137,7 +137,8 @@ namespace hmesh {
 ///     - target_out_of_range where more than kit::max_pixels vertices are asked for (no mesh).
 ///
 /// Memory: about 0.85 KB a vertex, and for each tile at work its pixels, its moment table and 0.6 KB for each vertex placed
-/// there; images of up to 4194304 px are one table. Of periodic images 4 bytes a pixel.
+/// there; images of up to 4194304 px, and larger ones whose table takes 256 MiB at most, are one table. Of periodic images 4
+/// bytes a pixel.
 template <class T, int C>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageReader<T, C>& reader, const Options& options = {},
                                                    const Annealed& recipe = {}, const ParallelFor& parallel_for = {});

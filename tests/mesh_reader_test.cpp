@@ -140,23 +140,24 @@ TEST_CASE("the smallest images, and of one colour") {
     check_same(hmesh_test::constant_image<std::uint8_t, 1>(300, 20, 0.5), options_of(50), in_tiles(Effort::draft));
 }
 
-// Beyond 4194304 px there is no table of the whole image, and patches are made anew in each phase.
+// Beyond 4194304 px and 256 MiB there is no table of the whole image, and patches have tables of their own.
 TEST_CASE("of large images no rectangle is large, and no pixel is read often") {
     constexpr int width = 2600, height = 1620;
-    const auto image = hmesh_test::draw<std::uint8_t, 1>(
-        width, height, [](int x, int y, int) { return 0.5 + 0.2 * std::sin(0.002 * x * (y % 400)) + 0.001 * (x % 300); });
-    const hmesh::ViewReader<std::uint8_t, 1> view(image.view());
+    const auto image = hmesh_test::draw<float, 3>(width, height, [](int x, int y, int c) {
+        return 0.5 + 0.1 * c + 0.2 * std::sin(0.002 * x * (y % 400)) + 0.001 * (x % 300);
+    });
+    const hmesh::ViewReader<float, 3> view(image.view());
     // Each pixel once more at the left and above of a rectangle, once less beyond it.
     std::vector<int> steps((width + 1) * (height + 1), 0);
     std::int64_t largest = 0;
-    const auto read = [&](const Rect& rect, std::uint8_t* to, std::ptrdiff_t stride) {
+    const auto read = [&](const Rect& rect, float* to, std::ptrdiff_t stride) {
         const auto step = [&](int x, int y) -> int& { return steps[static_cast<std::size_t>(y * (width + 1) + x)]; };
         ++step(rect.x, rect.y), --step(rect.x + rect.width, rect.y);
         --step(rect.x, rect.y + rect.height), ++step(rect.x + rect.width, rect.y + rect.height);
         largest = std::max(largest, std::int64_t{rect.width} * rect.height);
         return view(rect, to, stride);
     };
-    const ImageReader<std::uint8_t, 1> reader{width, height, read};
+    const ImageReader<float, 3> reader{width, height, read};
     constexpr int n = hmesh_test::sanitized ? 12000 : 18000;
     const Options options = options_of(n);
     const Result result = mesh_image(reader, options, {Effort::draft});

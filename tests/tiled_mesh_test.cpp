@@ -527,40 +527,47 @@ TEST_CASE("the hindered are those that were locked and their free neighbours") {
     }
 }
 
-TEST_CASE("patches of a large image have tables of their own and are merged at once, and the whole is the same in any order") {
-    const auto image = hmesh_test::noise<std::uint8_t, 1>(65536, 65, 1);
-    const ImageSource<1> source(image.view());
-    const IndexedMesh<1> start = make_indexed(image, Shape::delaunay, 900, 1);
+template <int C>
+void check_large(bool has_whole_table) {
+    const auto image = hmesh_test::noise<std::uint8_t, C>(65536, 65, 1);
+    const ImageSource<C> source(image.view());
+    const IndexedMesh<C> start = make_indexed(image, Shape::delaunay, 900, 1);
     const auto run = [&](const ParallelFor& parallel_for) {
         ProgressReporter progress = silent();
-        TiledMesh<1> work(source, {}, progress, parallel_for);
-        REQUIRE(!work.has_whole_table());
+        TiledMesh<C> work(source, {}, progress, parallel_for);
+        REQUIRE(!work.is_small());
+        REQUIRE(work.has_whole_table() == has_whole_table);
         work.indexed() = start;
         const Tiling first(65536, 65, 3000), second(65536, 65, 3000, true);
         std::atomic<int> narrow{0};
-        REQUIRE(work.for_each(first, [&](Patch<1>& patch, std::size_t) {
+        REQUIRE(work.for_each(first, [&](Patch<C>& patch, std::size_t) {
             narrow += patch.mesh().width() < 65536 / 4 ? 1 : 0;
             kit::sweep(patch.mesh());
         }));
-        CHECK(narrow > 10);
+        CHECK((narrow > 10) == !has_whole_table);
         // Who looks finds the patches again, vertex for vertex.
         std::vector<std::vector<Point>> looked(second.size()), places(second.size());
-        REQUIRE(work.look_at_each(second, [&](Patch<1>& patch, std::size_t tile) {
+        REQUIRE(work.look_at_each(second, [&](Patch<C>& patch, std::size_t tile) {
             for (const Vertex v : patch.free_vertices()) looked[tile].push_back(patch.mesh().position(v));
         }));
-        REQUIRE(work.for_each(second, [&](Patch<1>& patch, std::size_t tile) {
+        REQUIRE(work.for_each(second, [&](Patch<C>& patch, std::size_t tile) {
             for (const Vertex v : patch.free_vertices()) places[tile].push_back(patch.mesh().position(v));
             kit::sweep(patch.mesh());
         }));
         CHECK(places == looked);
-        REQUIRE(work.for_each_seam(first, [&](Patch<1>& patch, std::size_t) {
+        REQUIRE(work.for_each_seam(first, [&](Patch<C>& patch, std::size_t) {
             for (const Vertex v : patch.take_was_locked()) kit::improve_vertex(patch.mesh(), v, 0);
         }));
         prove_whole(image, work.indexed());
         return work.indexed();
     };
-    const IndexedMesh<1> reversed = run(hmesh_test::ReverseFor{});
+    const IndexedMesh<C> reversed = run(hmesh_test::ReverseFor{});
     if (!hmesh_test::sanitized) CHECK(same_bytes(run({}), reversed));
+}
+
+TEST_CASE("patches of a large image are merged at once, and the whole is the same in any order") {
+    SUBCASE("with one table of 130 MiB") { check_large<1>(true); }
+    SUBCASE("with tables of their own, where one would have 260 MiB") { check_large<3>(false); }
 }
 
 TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {

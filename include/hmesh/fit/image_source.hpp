@@ -146,6 +146,10 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
+    /// The memory of the moment table of the whole image, in bytes.
+    [[nodiscard]] double table_bytes() const noexcept {
+        return pixels() * static_cast<double>(MomentTable<C>::pixel_bytes(width_, kind()));
+    }
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
@@ -153,8 +157,7 @@ class ImageSource {
         with_window(rect, [&](const SourceWindow<C>& window) {
             table = MomentTable<C>(
                 rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
-                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); },
-                {largest_, low_ < 0, is_weighted()}, parallel_for);
+                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, kind(), parallel_for);
         });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
@@ -203,6 +206,7 @@ class ImageSource {
     }
 
   private:
+    [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }
     HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, to);
     }

@@ -121,6 +121,11 @@ class MomentTable {
             else fill_weighted(rect, pixels, weights, begin, end);
         });
     }
+    /// The memory of a pixel in a table of such pixels and of this width, in bytes.
+    [[nodiscard]] static std::size_t pixel_bytes(int width, const Kind& kind) noexcept {
+        if (kind.is_weighted) return (entry_size + 2) * sizeof(double) + C * sizeof(float);
+        return fits_32_bits(width, kind) ? pair_size * sizeof(std::int32_t) / strip_width : entry_size * sizeof(double);
+    }
     /// What Kind::largest is of samples of a type.
     template <class T>
     [[nodiscard]] static constexpr double largest_sample() noexcept {
@@ -134,7 +139,8 @@ class MomentTable {
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
-        return entries <= most / std::int64_t{(entry_size + 2) * sizeof(double) + C * sizeof(float)};
+        constexpr Kind weighted{0, false, true};
+        return entries <= most / static_cast<std::int64_t>(pixel_bytes(width, weighted));
     }
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px

@@ -212,16 +212,16 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
 }
 
 /// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Where the image has no table of its own, tables are
-/// made, and colours found, in tiles of `tile` px; else for the whole mesh. After a cancellation colours are only clamped and
-/// rounded, and the energy is still true of them.
+/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Colours of small images are found for the whole mesh,
+/// those of others in tiles of `tile` px. After a cancellation colours are only clamped and rounded, and the energy is still true
+/// of them.
 template <int C>
 HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
     const ImageSource<C>& source = tiled.source();
     const Tiling tiling(source.width(), source.height(), tile);
     if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
     FinalColors out;
-    if ((tiling.size() == 1 || tiled.has_whole_table()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
+    if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
             if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))

@@ -81,9 +81,11 @@ class TiledMesh {
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image, which is_small() and not periodic. Patches have none of their own
-    /// then.
-    [[nodiscard]] bool has_whole_table() const noexcept { return is_small() && source_->periodic() == Periodic::none; }
+    /// Whether there is a moment table of the whole image: it is not periodic, and is_small() or needs no more than 256 MiB for
+    /// that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
+    [[nodiscard]] bool has_whole_table() const noexcept {
+        return source_->periodic() == Periodic::none && (is_small() || source_->table_bytes() <= 268435456.0);
+    }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
@@ -204,7 +206,7 @@ class TiledMesh {
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        const bool stays = whole != nullptr || is_small();
+        const bool stays = sizes.size() == 1 || is_small();
         std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::optional<Patch<C>>& patch = patches_[tile];

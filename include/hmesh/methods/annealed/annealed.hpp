@@ -212,7 +212,7 @@ class AnnealedRun {
             const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
             if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
-            if (tiled_->has_whole_table()) tiled_->notes().point_ranks = std::move(ranks);
+            if (tiled_->is_small() && source.periodic() == Periodic::none) tiled_->notes().point_ranks = std::move(ranks);
         }
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
