@@ -25,6 +25,10 @@
 #define HMESH_HAS_ELEMENTWISE_SQRT 1
 #endif
 #endif
+// GCC 12 converts vectors of two numbers one by one, with a dozen instructions where the processor has one.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__SSE2__)
+#define HMESH_CONVERTS_PAIRS 1
+#endif
 
 namespace hmesh::kit {
 namespace detail {
@@ -56,6 +60,27 @@ struct LaneBlock<4> : LaneBlock<2> {};
 #endif
 #endif
 
+#if defined(HMESH_CONVERTS_PAIRS)
+using FourInts = std::int32_t __attribute__((vector_size(16)));
+using TwoLongs = long long __attribute__((vector_size(16)));
+
+// Two integers from memory as doubles.
+[[nodiscard]] HMESH_ALWAYS_INLINE LaneBlock<2>::Type converted_pair(const std::int32_t* from) {
+    long long both;
+    std::memcpy(&both, from, sizeof both);
+    return __builtin_ia32_cvtdq2pd(reinterpret_cast<FourInts>(TwoLongs{both, 0}));
+}
+// The first two integers, or the other two, as doubles.
+[[nodiscard]] HMESH_ALWAYS_INLINE LaneBlock<2>::Type converted_pair(const FourInts& ints, bool other) {
+    return __builtin_ia32_cvtdq2pd(other ? __builtin_shuffle(ints, FourInts{2, 3, 2, 3}) : ints);
+}
+// Writes two doubles as integers.
+HMESH_ALWAYS_INLINE void store_pair(const LaneBlock<2>::Type& numbers, std::int32_t* to) {
+    const long long both = reinterpret_cast<TwoLongs>(__builtin_ia32_cvttpd2dq(numbers))[0];
+    std::memcpy(to, &both, sizeof both);
+}
+#endif
+
 }  // namespace detail
 
 /// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
@@ -80,13 +105,21 @@ struct Lanes {
     }
     /// N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
-        Lanes r;
-        std::memcpy(r.block, from, sizeof r.block);
+        Lanes r;  // register by register: GCC 12 copies two of them at once to the stack first
+        each([&](std::size_t k) {
+            std::memcpy(&r.block[k], from + std::ptrdiff_t{width} * static_cast<std::ptrdiff_t>(k), sizeof(Block));
+        });
         return r;
     }
     /// N integers from memory, which need not be aligned, converted to double.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const std::int32_t* from) {
         Lanes r;
+#if defined(HMESH_CONVERTS_PAIRS)
+        if constexpr (width == 2) {
+            each([&](std::size_t k) { r.block[k] = detail::converted_pair(from + 2 * k); });
+            return r;
+        }
+#endif
 #if defined(__GNUC__)
         if constexpr (width > 1) {
             using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
@@ -106,6 +139,13 @@ struct Lanes {
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes bytes(std::int32_t from) {
         constexpr std::int32_t mask[std::size_t{N < 4 ? 4 : N}] = {0xff, 0xff00, 0xff0000};
         Lanes r;
+#if defined(HMESH_CONVERTS_PAIRS)
+        if constexpr (width == 2) {
+            const detail::FourInts ints = (detail::FourInts{} + from) & detail::FourInts{mask[0], mask[1], mask[2], 0};
+            each([&](std::size_t k) { r.block[k] = k < 2 ? detail::converted_pair(ints, k == 1) : Block{}; });
+            return r;
+        }
+#endif
 #if defined(__GNUC__)
         if constexpr (width > 1) {
             using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
@@ -136,6 +176,12 @@ struct Lanes {
     HMESH_ALWAYS_INLINE void store(double* to) const { std::memcpy(to, block, sizeof block); }
     /// Writes N integers to memory, which need not be aligned: the lanes, whole numbers that 32 bits hold.
     HMESH_ALWAYS_INLINE void store(std::int32_t* to) const {
+#if defined(HMESH_CONVERTS_PAIRS)
+        if constexpr (width == 2) {
+            each([&](std::size_t k) { detail::store_pair(block[k], to + 2 * k); });
+            return;
+        }
+#endif
 #if defined(__GNUC__)
         if constexpr (width > 1) {
             using Ints = typename detail::LaneBlock<(N < 4 ? N : 4)>::Ints;
@@ -313,6 +359,7 @@ template <int N>
 }  // namespace hmesh::kit
 
 #undef HMESH_HAS_ELEMENTWISE_SQRT
+#undef HMESH_CONVERTS_PAIRS
 #include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_LANES_HPP
