@@ -6,6 +6,7 @@
 #ifndef HMESH_IO_COMPACT_PLANE_HPP
 #define HMESH_IO_COMPACT_PLANE_HPP
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -53,12 +54,21 @@ struct GridPoint {
     static constexpr std::array<std::int16_t, 32> cotangents{1303, 650, 431, 322, 256, 211, 179, 155, 135, 120, 107,
                                                              96,   86,  78,  71,  64,  58,  53,  47,  43,  38,  34,
                                                              30,   27,  23,  19,  16,  13,  9,   6,   3,   0};
+    // How many of them are above a whole number.
+    static constexpr auto above = [] {
+        std::array<std::uint8_t, 1304> table{};
+        for (std::size_t q = 0; q < table.size(); ++q)
+            while (table[q] < cotangents.size() && cotangents[table[q]] > static_cast<int>(q)) ++table[q];
+        return table;
+    }();
     const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
-    const std::int64_t size = 64 * (product < 0 ? -product : product);
-    // Cotangents fall: how many of the first 31 are above that of the angle. Without branches, which nobody could foretell.
-    std::size_t above = 0;
-    for (const std::size_t step : {16U, 8U, 4U, 2U, 1U}) above += size < cotangents[above + step - 1] * area ? step : 0;
-    const int k = static_cast<int>(above);
+    const auto size = static_cast<std::uint64_t>(64 * (product < 0 ? -product : product)),
+               unit = static_cast<std::uint64_t>(area);
+    // A cotangent is above a fraction where it is above its whole part, and above none where that is 1304 or more. Of short edges
+    // 32 bits hold all: a third of the time.
+    const bool is_short = (size | unit) >> 32U == 0;
+    const std::uint64_t cotangent = is_short ? static_cast<std::uint32_t>(size) / static_cast<std::uint32_t>(unit) : size / unit;
+    const int k = above[std::min<std::uint64_t>(cotangent, above.size() - 1)];
     return product >= 0 ? k : 63 - k;
 }
 

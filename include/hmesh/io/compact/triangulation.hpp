@@ -36,11 +36,8 @@ class Triangulation {
         const auto n = static_cast<Index>(points.size());
         std::vector<Index> order(n);
         for (Index v = 0; v < n; ++v) order[v] = v;
-        std::sort(order.begin(), order.end(), [&](Index a, Index b) {
-            return points[a].x != points[b].x ? points[a].x < points[b].x : points[a].y < points[b].y;
-        });
         edges_.reserve(6 * std::size_t{n});
-        (void)delaunay(order.data(), n);
+        (void)delaunay_by_cells(order.data(), n, false);
         first_.assign(n, none);
         degree_.assign(n, 0);
         for (Index e = 0; e < edges_.size(); ++e)
@@ -172,7 +169,35 @@ class Triangulation {
         return orientation(point(a), point(b), point(d)) < 0;
     }
 
-    // Of n >= 2 points in order. Both edges of the result have the outside to their right and left.
+    // The order from left to right or, turned by a quarter, from the top down.
+    [[nodiscard]] bool is_before(Index a, Index b, bool is_down) const noexcept {
+        const GridPoint p = point(a), q = point(b);
+        if (is_down) return p.y != q.y ? p.y < q.y : p.x > q.x;
+        return p.x != q.x ? p.x < q.x : p.y < q.y;
+    }
+    // Of n >= 2 points, halved across and along by turns, so that halves do not meet along lines much longer than they are wide
+    // (R. Dwyer, "A faster divide-and-conquer algorithm for constructing Delaunay triangulations", 1987).
+    Ends delaunay_by_cells(Index* order, Index n, bool is_down) {
+        constexpr Index few = 24;
+        if (n <= few) {
+            std::sort(order, order + n, [&](Index a, Index b) { return is_before(a, b, false); });
+            return delaunay(order, n);
+        }
+        const Index half = n / 2;
+        std::nth_element(order, order + half, order + n, [&](Index a, Index b) { return is_before(a, b, is_down); });
+        const Ends first = delaunay_by_cells(order, half, !is_down), last = delaunay_by_cells(order + half, n - half, !is_down);
+        return merge(ends_in_order(first, is_down), ends_in_order(last, is_down));
+    }
+    // The ends of a hull in one of the orders, found by going round it.
+    [[nodiscard]] Ends ends_in_order(const Ends& known, bool is_down) const noexcept {
+        Index into = known.second, out_of = known.second;  // to the first point and from the last, with the outside to the left
+        for (Index e = following(known.second); e != known.second; e = following(e)) {
+            if (is_before(to(e), to(into), is_down)) into = e;
+            if (is_before(from(out_of), from(e), is_down)) out_of = e;
+        }
+        return {opposite(into), out_of};
+    }
+    // Of n >= 2 points from left to right. Both edges of the result have the outside to their right and left.
     Ends delaunay(const Index* order, Index n) {
         if (n == 2) {
             const Index e = make(order[0], order[1]);
