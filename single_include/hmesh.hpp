@@ -7855,15 +7855,18 @@ class ImageSource {
     /// weight_unit(). Both must outlive the source.
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
-        : data_(view.data), width_(view.width), height_(view.height), row_stride_(view.row_stride), weights_(weights),
-          unit_(unit), low_(PixelTraits<T>::lowest), high_(PixelTraits<T>::highest), peak_(PixelTraits<T>::peak),
-          largest_(MomentTable<C>::template largest_sample<T>()), weight_scale_(unit, view.width, view.height),
-          read_(&read_view<T>) {}
+        : ImageSource({view.data, view.width, view.height, view.row_stride, PixelTraits<T>::lowest, PixelTraits<T>::highest,
+                       PixelTraits<T>::peak, MomentTable<C>::template largest_sample<T>(), &read_view<T>},
+                      weights, unit) {}
 
     /// The same weights with other pixels, an image of the same size.
     template <class T>
     [[nodiscard]] ImageSource with_pixels(const ImageView<T, C>& view) const noexcept {
-        return ImageSource(view, weights_, unit_).with_periodic(periodic_, has_straight_seams_).with_samples(samples_);
+        ImageSource out(view, weights_, unit_);
+        out.periodic_ = periodic_;
+        out.has_straight_seams_ = has_straight_seams_;
+        out.samples_ = samples_;
+        return out;
     }
     /// The same image, whose samples are these: of points there are two at least along each axis, and they do not repeat.
     [[nodiscard]] ImageSource with_samples(Samples samples) const noexcept {
@@ -7987,6 +7990,20 @@ class ImageSource {
     }
 
   private:
+    /// A view without its type of samples.
+    struct Pixels {
+        const void* data;
+        int width, height;
+        std::ptrdiff_t row_stride;
+        double low, high, peak;
+        double largest;  ///< as MomentTable::Kind has it
+        void (*read)(const ImageSource&, int, int, int, double*) noexcept;
+    };
+    HMESH_NEVER_INLINE HMESH_COLD ImageSource(const Pixels& pixels, const ImageView<float, 1>& weights, double unit) noexcept
+        : data_(pixels.data), width_(pixels.width), height_(pixels.height), row_stride_(pixels.row_stride), weights_(weights),
+          unit_(unit), low_(pixels.low), high_(pixels.high), peak_(pixels.peak), largest_(pixels.largest),
+          weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read) {}
+
     [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }
     HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
         read(place(x, width_, wraps_x(periodic_)), place(y, height_, wraps_y(periodic_)), 1, to);

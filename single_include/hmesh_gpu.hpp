@@ -2603,6 +2603,42 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
     return {};
 }
 
+/// The same of what mesh_image() returned for an image of this size, and of the options that it was made with.
+[[nodiscard]] inline Status check_sprite(const Result& result, int width, int height, int channels, const Options& options,
+                                         double threshold, const ParallelFor& parallel_for) {
+    const Mesh& mesh = result.mesh;
+    if (const Status status = kit::check_weights(options.weights, width, height, parallel_for); !status) return status;
+    if (const Status status = kit::check_channel_weights(options.channel_weights, channels); !status) return status;
+    if (!result.has_mesh()) return {Errc::invalid_argument, "the result has no mesh", 0, 1};
+    if (mesh.width != width || mesh.height != height || mesh.channels != channels)
+        return {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
+    if (const Status status = check_sprite(mesh, threshold); !status) return status;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        if (!kit::detail::is_inside(mesh, v))
+            return {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
+    return {};
+}
+
+/// What the report of a mesh of this image becomes where faces of `kinds` are dropped, of which there are some.
+template <int C>
+HMESH_COLD void measure_sprite(Result& result, const std::vector<FaceAlpha>& kinds, const kit::ImageSource<C>& source,
+                               const Options& options, double unit, const ParallelFor& parallel_for) {
+    Mesh gone = result.mesh, kept = result.mesh;
+    gone.faces.clear();
+    kept.faces.clear();
+    for (std::size_t f = 0; f < kinds.size(); ++f)
+        (kinds[f] == FaceAlpha::dropped ? gone : kept).faces.push_back(result.mesh.faces[f]);
+    kit::ChannelScale<C> scale;
+    scale.share = kit::channel_shares<C>(options.channel_weights);
+    const double before = kit::rendered_errors(gone, source, parallel_for, scale).energy;
+    std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
+    const kit::RenderedError after = kit::rendered_errors(gone, source, parallel_for, scale);
+    const double samples = scale.sum() * kit::weight_sum(options.weights, unit, source.width(), source.height(), parallel_for);
+    result.report.energy = std::max(0.0, result.report.energy + (after.energy - before));
+    result.report.max_error = std::max(after.largest, kit::rendered_errors(kept, source, parallel_for, scale).largest);
+    result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, source.peak());
+}
+
 }  // namespace detail
 
 /// Drops the faces of a mesh of 2 or 4 channels whose alpha is at most a threshold at all three vertices, hence everywhere, and
@@ -2646,45 +2682,19 @@ template <class T, int C>
 SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const Options& options = {}, double threshold = 2,
                               const ParallelFor& parallel_for = {}) {
     static_assert(kit::has_alpha(C), "images of 2 or 4 channels have alpha");
-    const ImageView<float, 1>& weights = options.weights;
     SpriteReport report;
     Mesh& mesh = result.mesh;
     report.status = check(view);
-    if (report.status) report.status = kit::check_weights(weights, view.width, view.height, parallel_for);
-    if (report.status) report.status = kit::check_channel_weights(options.channel_weights, C);
-    if (report.status && !result.has_mesh()) report.status = {Errc::invalid_argument, "the result has no mesh", 0, 1};
-    if (report.status && (mesh.width != view.width || mesh.height != view.height || mesh.channels != C))
-        report.status = {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
-    if (report.status) report.status = detail::check_sprite(mesh, threshold);
-    for (std::size_t v = 0; v < mesh.vertex_count() && report.status; ++v)
-        if (!kit::detail::is_inside(mesh, v))
-            report.status = {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
+    if (report.status) report.status = detail::check_sprite(result, view.width, view.height, C, options, threshold, parallel_for);
     if (!report.status) return report;
 
-    Mesh gone = mesh;
-    gone.faces.clear();
     const std::vector<detail::FaceAlpha> kinds = detail::face_alphas(mesh, threshold);
-    for (std::size_t f = 0; f < kinds.size(); ++f)
-        if (kinds[f] == detail::FaceAlpha::dropped) gone.faces.push_back(mesh.faces[f]);
-    if (!gone.faces.empty()) {
+    if (std::find(kinds.begin(), kinds.end(), detail::FaceAlpha::dropped) != kinds.end()) {
         Image<T, C> premultiplied;
         if (mesh.premultiplied) premultiplied = kit::premultiply(view, parallel_for);
-        const ImageView<T, C> image = mesh.premultiplied ? premultiplied.view() : view;
-        const double unit = kit::weight_unit(weights, parallel_for);
-        kit::ChannelScale<C> scale;
-        scale.share = kit::channel_shares<C>(options.channel_weights);
-        const double before = kit::rendered_error(gone, image, weights, unit, parallel_for, scale);
-        std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
-        const kit::RenderedError after = kit::rendered_errors(gone, image, weights, unit, parallel_for, scale);
-        const double samples = scale.sum() * kit::weight_sum(weights, unit, view.width, view.height, parallel_for);
-        result.report.energy = std::max(0.0, result.report.energy + (after.energy - before));
-        Mesh kept = mesh;
-        kept.faces.clear();
-        for (std::size_t f = 0; f < kinds.size(); ++f)
-            if (kinds[f] != detail::FaceAlpha::dropped) kept.faces.push_back(mesh.faces[f]);
-        result.report.max_error =
-            std::max(after.largest, kit::rendered_errors(kept, image, weights, unit, parallel_for, scale).largest);
-        result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, PixelTraits<T>::peak);
+        const double unit = kit::weight_unit(options.weights, parallel_for);
+        const kit::ImageSource<C> source(mesh.premultiplied ? premultiplied.view() : view, options.weights, unit);
+        detail::measure_sprite(result, kinds, source, options, unit, parallel_for);
     }
     report = drop_transparent(mesh, threshold);
     result.report.vertices = mesh.vertex_count();

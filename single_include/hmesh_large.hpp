@@ -263,8 +263,8 @@ class ReadImage {
 
 namespace detail {
 
-/// SourceCalls for a ReadImage<T, C>.
-template <class T, int C>
+/// SourceCalls for a ReadImage with samples of any type, by the windows of its source.
+template <int C>
 struct ReadCalls {
     /// Faces that follow each other are near each other, and share a rectangle where it does not become large.
     [[nodiscard]] HMESH_COLD static RenderedError error(const ImageSource<C>& source, const Mesh& mesh,
@@ -295,22 +295,11 @@ struct ReadCalls {
                 }
                 const Rect rect = rect_of(box);
                 if (rect.width <= 0 || rect.height <= 0) continue;  // faces of a periodic mesh that stand out of the image
-                window(source, rect,
-                       [&](const SourceWindow<C>& pixels) { add_rendered_errors(mesh, f, next, source, pixels, channels, sum); });
+                source.with_window(rect, [&](const SourceWindow<C>& pixels) {
+                    add_rendered_errors(mesh, f, next, source, pixels, channels, sum);
+                });
             }
         });
-    }
-
-    /// Where the image has failed, samples may be beyond the scale of channels: they are black and not scaled.
-    HMESH_COLD static void window(const ImageSource<C>& source, const Rect& rect,
-                                  FunctionRef<void(const SourceWindow<C>&)> look) {
-        const auto& image = *static_cast<const ReadImage<T, C>*>(source.calls().image);
-        Image<T, C> pixels = image.fetch(rect);
-        if (source.scale() == nullptr) return look({ImageSource<C>(pixels.view()), rect.x, rect.y});
-        const bool has_failed = image.has_failed();
-        if (has_failed) pixels = Image<T, C>(rect.width, rect.height);
-        const ImageSource<C> own(pixels.view());
-        look({has_failed ? own : own.with_scale(*source.scale()), rect.x, rect.y});
     }
 
     /// Square after square along Morton's curve, each once.
@@ -333,12 +322,25 @@ struct ReadCalls {
             int right = static_cast<int>(high.x) + 3, bottom = static_cast<int>(high.y) + 3;
             if (!wraps_x(source.periodic())) left = std::max(0, left), right = std::min(source.width(), right);
             if (!wraps_y(source.periodic())) top = std::max(0, top), bottom = std::min(source.height(), bottom);
-            window(source, {left, top, right - left, bottom - top}, [&](const SourceWindow<C>& pixels) {
+            source.with_window({left, top, right - left, bottom - top}, [&](const SourceWindow<C>& pixels) {
                 for (std::size_t i = k; i < next; ++i) look(pixels, items[i].number);
             });
         }
     }
 };
+
+/// ImageSource::with_window() of a ReadImage<T, C>. Where the image has failed, samples may be beyond the scale of channels: they
+/// are black and not scaled.
+template <class T, int C>
+HMESH_COLD void read_window(const ImageSource<C>& source, const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) {
+    const auto& image = *static_cast<const ReadImage<T, C>*>(source.calls().image);
+    Image<T, C> pixels = image.fetch(rect);
+    if (source.scale() == nullptr) return look({ImageSource<C>(pixels.view()), rect.x, rect.y});
+    const bool has_failed = image.has_failed();
+    if (has_failed) pixels = Image<T, C>(rect.width, rect.height);
+    const ImageSource<C> own(pixels.view());
+    look({has_failed ? own : own.with_scale(*source.scale()), rect.x, rect.y});
+}
 
 }  // namespace detail
 
@@ -346,9 +348,10 @@ struct ReadCalls {
 template <class T, int C>
 [[nodiscard]] ImageSource<C> read_source(const ReadImage<T, C>& image, const ImageView<float, 1>& weights = {}, double unit = 1,
                                          decltype(SourceCalls<C>::points) points = nullptr) {
-    using Calls = detail::ReadCalls<T, C>;
+    using Calls = detail::ReadCalls<C>;
     const ImageView<T, C> none{nullptr, image.width(), image.height(), 0};
-    return ImageSource<C>(none, weights, unit).with_calls({&image, &Calls::error, &Calls::window, &Calls::visit, points});
+    return ImageSource<C>(none, weights, unit)
+        .with_calls({&image, &Calls::error, &detail::read_window<T, C>, &Calls::visit, points});
 }
 
 }  // namespace hmesh::kit

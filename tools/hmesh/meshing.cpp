@@ -1,4 +1,4 @@
-// All that the command asks of mesh_image() and render(): it takes two fifths of the time that the command takes to compile. One
+// All that the command asks of mesh_image() and render(): it takes half of the time that the command takes to compile. One
 // file for each number of channels would be done sooner on four cores, and compile what all of them share three times more.
 #include "meshing.hpp"
 
@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include "hmesh/image/image_reader.hpp"
 #include "hmesh/image/premultiply.hpp"
@@ -68,165 +69,7 @@ hmesh::Options library_options(const MeshingOptions& wanted) {
     return options;
 }
 
-// The sum of squares that is such a PSNR.
-template <class T, int C>
-double energy_of_psnr(double psnr, const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted) {
-    const double unit = hmesh::kit::weight_unit(wanted.weights), peak = hmesh::PixelTraits<T>::peak;
-    hmesh::kit::ChannelScale<C> scale;
-    scale.share = hmesh::kit::channel_shares<C>(wanted.channel_weights);
-    const double samples = scale.sum() * hmesh::kit::weight_sum(wanted.weights, unit, view.width, view.height);
-    return std::isfinite(psnr) ? peak * peak * samples * std::pow(10.0, -psnr / 10) : 0;
-}
-
-template <class T, int C>
-hmesh::SpriteReport drop_faces(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, hmesh::Result& result,
-                               const hmesh::ParallelFor& parallel_for) {
-    if constexpr (hmesh::kit::has_alpha(C)) {
-        return hmesh::drop_transparent(result, view, library_options(wanted), wanted.transparent, parallel_for);
-    } else {
-        hmesh::SpriteReport report;  // all of it is opaque
-        report.opaque_faces = result.mesh.faces.size();
-        report.area = static_cast<double>(view.width) * view.height;
-        return report;
-    }
-}
-
-hmesh::Annealed annealed_recipe(const MeshingOptions& wanted) {
-    hmesh::Annealed recipe;
-    recipe.effort = wanted.effort;
-    recipe.seed = wanted.seed;
-    recipe.tile = wanted.tile;
-    recipe.border_tolerance = wanted.border_tolerance;
-    if (wanted.start != nullptr) {
-        recipe.start = wanted.start;
-        recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
-    }
-    return recipe;
-}
-
-template <class T, int C>
-[[nodiscard]] hmesh::Result mesh_by_method(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
-                                           const hmesh::Options& options, const hmesh::Annealed& annealed,
-                                           const hmesh::ParallelFor& parallel_for) {
-    switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
-        case Method::annealed: break;
-        case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
-        case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
-        case Method::adams: return hmesh::mesh_image(view, options, hmesh::Adams(), parallel_for);
-        case Method::adaptive_thinning: return hmesh::mesh_image(view, options, hmesh::AdaptiveThinning(), parallel_for);
-    }
-    return hmesh::mesh_image(view, options, annealed, parallel_for);
-}
-
-hmesh::Lods one_level(hmesh::Result result) {
-    hmesh::Lods lods;
-    lods.status = result.status;
-    if (result.has_mesh()) lods.levels.push_back(std::move(result));
-    return lods;
-}
-
-template <class T, int C>
-[[nodiscard]] hmesh::Lods mesh_samples(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
-                                       const hmesh::ParallelFor& parallel_for) {
-    hmesh::Options options = library_options(wanted);
-    // What a sprite counts as is what is left of it.
-    const auto psnr_of_sprite = [&](const hmesh::Mesh& mesh, double psnr) {
-        hmesh::Result trial;
-        trial.mesh = mesh;
-        trial.mesh.premultiplied = wanted.premultiplied;
-        trial.report.energy = energy_of_psnr(psnr, view, wanted);
-        trial.report.psnr = psnr;
-        if (!drop_faces(view, wanted, trial, parallel_for).status) return psnr;
-        return wanted.psnr_of ? wanted.psnr_of(trial.mesh, trial.report.psnr) : trial.report.psnr;
-    };
-    if (wanted.transparent >= 0) options.psnr_of = psnr_of_sprite;
-    const hmesh::Annealed annealed = annealed_recipe(wanted);
-    if (wanted.levels > 1) {
-        hmesh::LodOptions lods;
-        lods.levels = wanted.levels;
-        return hmesh::mesh_lods(view, options, lods, annealed, parallel_for);
-    }
-    if constexpr (C > 4) return one_level(hmesh::mesh_image(view, options, annealed, parallel_for));  // others are for images
-    else return one_level(mesh_by_method(view, wanted, options, annealed, parallel_for));
-}
-
-// Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
-hmesh::LinearLightOptions light_options(const MeshingOptions& wanted, bool is_float) {
-    hmesh::LinearLightOptions options;
-    options.weights = wanted.weights;
-    options.grid = is_float ? 0 : 1;
-    return options;
-}
-
-// The largest difference, in stored values, between an image and a mesh drawn in linear light, where pixels count.
-template <class T, int C>
-double largest_light_error(const hmesh::ImageView<T, C>& view, const hmesh::ImageView<float, 1>& weights, const hmesh::Mesh& mesh,
-                           const hmesh::ParallelFor& parallel_for) {
-    hmesh::RenderOptions options;
-    options.interpolation = hmesh::Interpolation::linear;
-    const hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh.view(), options, parallel_for);
-    double largest = 0;
-    for (int y = 0; y < view.height && drawn.status; ++y)
-        for (int x = 0; x < view.width; ++x) {
-            if (weights.data != nullptr && !(*weights.pixel(x, y) > 0)) continue;
-            for (int c = 0; c < C; ++c) {
-                const double wanted = hmesh::PixelTraits<T>::to_real(view.pixel(x, y)[c]);
-                largest = std::max(largest, std::abs(static_cast<double>(drawn.image.pixel(x, y)[c]) - wanted));
-            }
-        }
-    return largest;
-}
-
-// A stage after all others: colours for linear light, from the share `from` of the whole to the share `to`.
-template <class T, int C>
-void fit_light(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted, double from, double to, hmesh::Result& result,
-               const hmesh::ParallelFor& parallel_for) {
-    const hmesh::LinearLightOptions options = light_options(wanted, std::is_same_v<T, float>);
-    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, from};
-    const auto go_on = [&](double share) {
-        info.fraction = share;
-        info.total = share < 1 ? from + (to - from) * share : to;
-        return !wanted.progress || wanted.progress(info);
-    };
-    bool is_stopped = !go_on(0);
-    const hmesh::LinearLightReport report = hmesh::fit_linear_light(result.mesh, view, options, parallel_for, [&](double share) {
-        is_stopped = is_stopped || !go_on(share);
-        return !is_stopped;
-    });
-    result.report.energy = info.energy = report.energy;
-    result.report.psnr = report.psnr;
-    result.report.max_error = largest_light_error(view, wanted.weights, result.mesh, parallel_for);
-    result.report.stages.push_back(
-        {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
-    is_stopped = !go_on(1) || is_stopped;
-    if (result.status && is_stopped) result.status = {hmesh::Errc::cancelled, "cancelled by the progress callback"};
-}
-
-template <class T, int C>
-[[nodiscard]] hmesh::Lods mesh_view(const hmesh::ImageView<T, C>& view, const MeshingOptions& options,
-                                    const hmesh::ParallelFor& parallel_for) {
-    if (options.fit_space != FitSpace::linear) return mesh_samples(view, options, parallel_for);
-    const double work = meshing_work(view.width, view.height, options), light = light_work(view.width, view.height, C);
-    const double before = work / (work + options.levels * light);
-    MeshingOptions first = options;
-    const auto progress = [&](hmesh::ProgressInfo info) {
-        info.total *= before;
-        return options.progress(info);
-    };
-    if (options.progress) first.progress = progress;
-    hmesh::Lods lods = mesh_samples(view, first, parallel_for);
-    const auto count = static_cast<double>(lods.levels.size());
-    for (std::size_t k = 0; k < lods.levels.size(); ++k) {
-        const double from = before + (1 - before) * static_cast<double>(k) / count;
-        const double to = k + 1 < lods.levels.size() ? before + (1 - before) * static_cast<double>(k + 1) / count : 1;
-        hmesh::Result& level = lods.levels[k];
-        fit_light(view, options, from, to, level, parallel_for);
-        if (lods.status && !level.status) lods.status = level.status;
-    }
-    return lods;
-}
-
-// Calls body(view) with the view of the image.
+// Calls body(view) with the view of the image. What is called by view is compiled a dozen times: let it be little.
 template <int C, class Body>
 auto with_view(const ImageFile& image, Body&& body) {
     if (image.bits == 16) return body(hmesh::ImageView<std::uint16_t, C>{image.samples16.data(), image.width, image.height, 0});
@@ -247,6 +90,165 @@ template <class Body>
 auto with_view(const ImageFile& image, Body&& body) {
     return with_channels(image.channels, [&](auto channels) { return with_view<channels.value>(image, body); });
 }
+// The same of several maps together too. join_images() makes no other kinds of them, for each kind takes two seconds to compile.
+template <class Body>
+auto with_any_view(const ImageFile& image, Body&& body) {
+    if (image.channels <= 4) return with_view(image, body);
+    const int width = image.width, height = image.height;
+    const std::uint16_t* const shorts = image.samples16.data();
+    if (image.bits == 32) return body(hmesh::ImageView<float, 16>{image.samples32.data(), width, height, 0});
+    if (image.channels == 16) return body(hmesh::ImageView<std::uint16_t, 16>{shorts, width, height, 0});
+    return body(hmesh::ImageView<std::uint16_t, 8>{shorts, width, height, 0});
+}
+
+// The sum of squares that is such a PSNR of the image, whose peak value is this.
+double energy_of_psnr(double psnr, double peak, const ImageFile& image, const MeshingOptions& wanted) {
+    const double unit = hmesh::kit::weight_unit(wanted.weights);
+    const double channels = with_channels(image.channels, [&](auto count) {
+        hmesh::kit::ChannelScale<count.value> scale;
+        scale.share = hmesh::kit::channel_shares<count.value>(wanted.channel_weights);
+        return scale.sum();
+    });
+    const double samples = channels * hmesh::kit::weight_sum(wanted.weights, unit, image.width, image.height);
+    return std::isfinite(psnr) ? peak * peak * samples * std::pow(10.0, -psnr / 10) : 0;
+}
+
+hmesh::Annealed annealed_recipe(const MeshingOptions& wanted) {
+    hmesh::Annealed recipe;
+    recipe.effort = wanted.effort;
+    recipe.seed = wanted.seed;
+    recipe.tile = wanted.tile;
+    recipe.border_tolerance = wanted.border_tolerance;
+    if (wanted.start != nullptr) {
+        recipe.start = wanted.start;
+        recipe.steps = hmesh::kit::annealed_steps(hmesh::Effort::draft);
+    }
+    return recipe;
+}
+
+template <class T, int C>
+[[nodiscard]] hmesh::Result mesh_by_method(const hmesh::ImageView<T, C>& view, const MeshingOptions& wanted,
+                                           const hmesh::Options& options, const hmesh::Annealed& annealed,
+                                           const hmesh::ParallelFor& parallel_for) {
+    if constexpr (C <= 4) {  // others are for images
+        switch (wanted.start != nullptr ? Method::annealed : wanted.method) {
+            case Method::annealed: break;
+            case Method::hierarchical: return hmesh::mesh_image(view, options, hmesh::Hierarchical(), parallel_for);
+            case Method::xie: return hmesh::mesh_image(view, options, hmesh::Xie(), parallel_for);
+            case Method::adams: return hmesh::mesh_image(view, options, hmesh::Adams(), parallel_for);
+            case Method::adaptive_thinning: return hmesh::mesh_image(view, options, hmesh::AdaptiveThinning(), parallel_for);
+        }
+    }
+    return hmesh::mesh_image(view, options, annealed, parallel_for);
+}
+
+hmesh::Lods one_level(hmesh::Result result) {
+    hmesh::Lods lods;
+    lods.status = result.status;
+    if (result.has_mesh()) lods.levels.push_back(std::move(result));
+    return lods;
+}
+
+[[nodiscard]] hmesh::Lods mesh_samples(const ImageFile& image, const MeshingOptions& wanted,
+                                       const hmesh::ParallelFor& parallel_for) {
+    hmesh::Options options = library_options(wanted);
+    // What a sprite counts as is what is left of it.
+    const auto psnr_of_sprite = [&](const hmesh::Mesh& mesh, double psnr) {
+        hmesh::Result trial;
+        trial.mesh = mesh;
+        trial.mesh.premultiplied = wanted.premultiplied;
+        trial.report.energy = energy_of_psnr(psnr, mesh.peak, image, wanted);
+        trial.report.psnr = psnr;
+        if (!drop_faces(image, wanted, trial, parallel_for).status) return psnr;
+        return wanted.psnr_of ? wanted.psnr_of(trial.mesh, trial.report.psnr) : trial.report.psnr;
+    };
+    if (wanted.transparent >= 0) options.psnr_of = psnr_of_sprite;
+    const hmesh::Annealed annealed = annealed_recipe(wanted);
+    if (wanted.levels > 1) {
+        hmesh::LodOptions lods;
+        lods.levels = wanted.levels;
+        return with_any_view(image,
+                             [&](const auto& view) { return hmesh::mesh_lods(view, options, lods, annealed, parallel_for); });
+    }
+    return one_level(
+        with_any_view(image, [&](const auto& view) { return mesh_by_method(view, wanted, options, annealed, parallel_for); }));
+}
+
+// The largest difference, in stored values, between an image and a mesh drawn in linear light, where pixels count.
+double largest_light_error(const ImageFile& image, const hmesh::ImageView<float, 1>& weights, const hmesh::Mesh& mesh,
+                           const hmesh::ParallelFor& parallel_for) {
+    std::vector<float> drawn;
+    if (!draw_samples(mesh.view(), true, drawn, parallel_for)) return 0;
+    const std::vector<float> wanted = wanted_samples(image, false, parallel_for);
+    double largest = 0;
+    std::size_t k = 0;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = 0; x < image.width; ++x, k += static_cast<std::size_t>(image.channels)) {
+            if (weights.data != nullptr && !(*weights.pixel(x, y) > 0)) continue;
+            for (std::size_t c = k; c < k + static_cast<std::size_t>(image.channels); ++c)
+                largest = std::max(largest, std::abs(static_cast<double>(drawn[c]) - static_cast<double>(wanted[c])));
+        }
+    return largest;
+}
+
+// Fits the mesh's colours for linear light.
+hmesh::LinearLightReport fit_linear_light(const ImageFile& image, const MeshingOptions& wanted, hmesh::Mesh& mesh,
+                                          const hmesh::ParallelFor& parallel_for,
+                                          hmesh::FunctionRef<bool(double share)> progress = {}) {
+    hmesh::LinearLightOptions options;
+    options.weights = wanted.weights;
+    // Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
+    options.grid = image.bits == 32 ? 0 : 1;
+    return with_view(image,
+                     [&](const auto& view) { return hmesh::fit_linear_light(mesh, view, options, parallel_for, progress); });
+}
+
+// A stage after all others: colours for linear light, from the share `from` of the whole to the share `to`.
+void fit_light(const ImageFile& image, const MeshingOptions& wanted, double from, double to, hmesh::Result& result,
+               const hmesh::ParallelFor& parallel_for) {
+    hmesh::ProgressInfo info{"linear light", 0, result.report.vertices, result.report.energy, from};
+    const auto go_on = [&](double share) {
+        info.fraction = share;
+        info.total = share < 1 ? from + (to - from) * share : to;
+        return !wanted.progress || wanted.progress(info);
+    };
+    bool is_stopped = !go_on(0);
+    const auto progress = [&](double share) {
+        is_stopped = is_stopped || !go_on(share);
+        return !is_stopped;
+    };
+    const hmesh::LinearLightReport report = fit_linear_light(image, wanted, result.mesh, parallel_for, progress);
+    result.report.energy = info.energy = report.energy;
+    result.report.psnr = report.psnr;
+    result.report.max_error = largest_light_error(image, wanted.weights, result.mesh, parallel_for);
+    result.report.stages.push_back(
+        {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
+    is_stopped = !go_on(1) || is_stopped;
+    if (result.status && is_stopped) result.status = {hmesh::Errc::cancelled, "cancelled by the progress callback"};
+}
+
+[[nodiscard]] hmesh::Lods mesh_whole(const ImageFile& image, const MeshingOptions& options,
+                                     const hmesh::ParallelFor& parallel_for) {
+    if (options.fit_space != FitSpace::linear) return mesh_samples(image, options, parallel_for);
+    const double work = meshing_work(image, options), light = light_work(image);
+    const double before = work / (work + options.levels * light);
+    MeshingOptions first = options;
+    const auto progress = [&](hmesh::ProgressInfo info) {
+        info.total *= before;
+        return options.progress(info);
+    };
+    if (options.progress) first.progress = progress;
+    hmesh::Lods lods = mesh_samples(image, first, parallel_for);
+    const auto count = static_cast<double>(lods.levels.size());
+    for (std::size_t k = 0; k < lods.levels.size(); ++k) {
+        const double from = before + (1 - before) * static_cast<double>(k) / count;
+        const double to = k + 1 < lods.levels.size() ? before + (1 - before) * static_cast<double>(k + 1) / count : 1;
+        hmesh::Result& level = lods.levels[k];
+        fit_light(image, options, from, to, level, parallel_for);
+        if (lods.status && !level.status) lods.status = level.status;
+    }
+    return lods;
+}
 
 // PNG files have straight colours.
 template <int C>
@@ -259,12 +261,13 @@ void divide_by_alpha(hmesh::Image<float, C>& picture, double peak) {
 }
 
 template <int C>
-[[nodiscard]] hmesh::RenderResult<C> render_channels(const hmesh::MeshView& mesh, const DrawOptions& options) {
+[[nodiscard]] hmesh::RenderResult<C> render_channels(const hmesh::MeshView& mesh, const DrawOptions& options,
+                                                     const hmesh::ParallelFor& parallel_for = {}) {
     hmesh::RenderOptions render_options;
     render_options.width = options.scale * mesh.width;
     render_options.height = options.scale * mesh.height;
     if (options.linear_light) render_options.interpolation = hmesh::Interpolation::linear;
-    return hmesh::render<C>(mesh, render_options);
+    return hmesh::render<C>(mesh, render_options, parallel_for);
 }
 
 template <int C>
@@ -282,8 +285,9 @@ hmesh::Status draw_channels(const hmesh::MeshView& mesh, const DrawOptions& opti
 }
 
 template <int C>
-hmesh::Status draw_floats(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples) {
-    const hmesh::RenderResult<C> drawn = render_channels<C>(mesh, {1, linear_light});
+hmesh::Status draw_floats(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples,
+                          const hmesh::ParallelFor& parallel_for) {
+    const hmesh::RenderResult<C> drawn = render_channels<C>(mesh, {1, linear_light}, parallel_for);
     if (drawn.status) samples.assign(drawn.image.data(), drawn.image.data() + drawn.image.size());
     return drawn.status;
 }
@@ -313,8 +317,10 @@ std::vector<float> wanted_samples(const ImageFile& image, bool premultiplied, co
     return with_view(image, [&](const auto& view) { return to_floats(view, premultiplied, parallel_for); });
 }
 
-hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples) {
-    return with_channels(mesh.channels, [&](auto channels) { return draw_floats<channels.value>(mesh, linear_light, samples); });
+hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples,
+                           const hmesh::ParallelFor& parallel_for) {
+    return with_channels(mesh.channels,
+                         [&](auto channels) { return draw_floats<channels.value>(mesh, linear_light, samples, parallel_for); });
 }
 
 hmesh::Colors final_colors(const MeshingOptions& options) noexcept {
@@ -326,18 +332,6 @@ std::string find_conflict(const MeshingOptions& options) {
     if (options.fit_space == FitSpace::stored) return {};
     if (final_colors(options) == hmesh::Colors::sampled) return "--fit-space linear fits colours, and sampled ones are asked for";
     return options.premultiplied ? "--fit-space linear fits straight colours, not premultiplied ones: leave one of them out" : "";
-}
-
-// Of several maps together. join_images() makes no other kinds of them, for each kind takes two seconds to compile.
-[[nodiscard]] hmesh::Lods mesh_maps(const ImageFile& image, const MeshingOptions& options,
-                                    const hmesh::ParallelFor& parallel_for) {
-    const int width = image.width, height = image.height;
-    const std::uint16_t* const shorts = image.samples16.data();
-    if (image.bits == 32)
-        return mesh_samples(hmesh::ImageView<float, 16>{image.samples32.data(), width, height, 0}, options, parallel_for);
-    if (image.channels == 16)
-        return mesh_samples(hmesh::ImageView<std::uint16_t, 16>{shorts, width, height, 0}, options, parallel_for);
-    return mesh_samples(hmesh::ImageView<std::uint16_t, 8>{shorts, width, height, 0}, options, parallel_for);
 }
 
 // Of a file that is read by rectangles, whose samples are in none of the image's vectors.
@@ -360,8 +354,7 @@ std::string find_conflict(const MeshingOptions& options) {
 
 hmesh::Lods mesh_levels(const ImageFile& image, const MeshingOptions& options, const hmesh::ParallelFor& parallel_for) {
     if (image.rectangles) return mesh_rectangles(image, options, parallel_for);
-    if (image.channels > 4) return mesh_maps(image, options, parallel_for);
-    return with_view(image, [&](const auto& view) { return mesh_view(view, options, parallel_for); });
+    return mesh_whole(image, options, parallel_for);
 }
 
 hmesh::Result first_level(hmesh::Lods& lods) {
@@ -411,7 +404,17 @@ hmesh::Result mesh_file(const ImageFile& image, const MeshingOptions& options, c
 
 hmesh::SpriteReport drop_faces(const ImageFile& image, const MeshingOptions& options, hmesh::Result& outcome,
                                const hmesh::ParallelFor& parallel_for) {
-    return with_view(image, [&](const auto& view) { return drop_faces(view, options, outcome, parallel_for); });
+    if (!hmesh::kit::has_alpha(image.channels)) {
+        hmesh::SpriteReport report;  // all of it is opaque
+        report.opaque_faces = outcome.mesh.faces.size();
+        report.area = static_cast<double>(image.width) * image.height;
+        return report;
+    }
+    const hmesh::Options wanted = library_options(options);
+    const auto drop = [&](const auto& view) {
+        return hmesh::drop_transparent(outcome, view, wanted, options.transparent, parallel_for);
+    };
+    return image.channels == 2 ? with_view<2>(image, drop) : with_view<4>(image, drop);
 }
 
 hmesh::Outline outline_file(const ImageFile& image, const hmesh::OutlineOptions& options) {
@@ -422,9 +425,7 @@ LightMesh light_mesh(const ImageFile& image, const MeshingOptions& options, cons
                      const hmesh::ParallelFor& parallel_for) {
     LightMesh out;
     out.mesh = mesh;
-    const hmesh::LinearLightOptions light = light_options(options, image.bits == 32);
-    const hmesh::LinearLightReport report =
-        with_view(image, [&](const auto& view) { return hmesh::fit_linear_light(out.mesh, view, light, parallel_for); });
+    const hmesh::LinearLightReport report = fit_linear_light(image, options, out.mesh, parallel_for);
     out.psnr = report.psnr;
     out.stored_psnr = report.psnr - 10 * std::log10(report.converted / report.energy);
     if (!(report.energy > 0)) out.stored_psnr = out.psnr;  // converted is 0 too, or as good as that

@@ -109,7 +109,8 @@ struct DrawOptions {
                                                 const hmesh::ParallelFor& parallel_for);
 
 // The mesh drawn at its own size, in stored values with as many channels as it has, not rounded.
-[[nodiscard]] hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples);
+[[nodiscard]] hmesh::Status draw_samples(const hmesh::MeshView& mesh, bool linear_light, std::vector<float>& samples,
+                                         const hmesh::ParallelFor& parallel_for = {});
 
 // The mesh drawn at 8 bits, with as many channels as it has, straight colours.
 [[nodiscard]] hmesh::Status draw(const hmesh::MeshView& mesh, const DrawOptions& options, Picture& picture);

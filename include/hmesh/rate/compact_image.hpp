@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/status.hpp"
@@ -269,6 +270,19 @@ class CompactSearch {
     Mesh mesh_;
 };
 
+/// What a lattice promises, with the vertices and the step of colours that its bytes pay for.
+struct CompactGuess {
+    double promise;
+    CompactLattice lattice;
+    std::int64_t n;
+    std::uint32_t color_step;
+};
+
+/// Sorts guesses, the best first.
+HMESH_COLD inline void sort_guesses(std::vector<CompactGuess>& guesses) {
+    std::sort(guesses.begin(), guesses.end(), [](const CompactGuess& a, const CompactGuess& b) { return a.promise > b.promise; });
+}
+
 /// compact_image() of a valid view, whose colours are premultiplied already where they are to be.
 template <class T, int C>
 [[nodiscard]] CompactImage find_compact_image(const ImageView<T, C>& view, const CompactImageOptions& options,
@@ -292,25 +306,19 @@ template <class T, int C>
     const auto lattice_of = [&](double share) {
         return find_lattice(view.width, view.height, whole.width, whole.height, share * distance, options.bare);
     };
-    struct Found {
-        double promise;
-        CompactLattice lattice;
-        std::int64_t n;
-        std::uint32_t color_step;
-    };
     CompactRuns runs(options.progress);
     if (!CompactSearch<C>(image, options, lattice_of(0.2), runs, parallel_for).begin(quick, out)) return out;
     if (out.psnr < Target::invisible) {  // an image of one colour needs no more
-        std::vector<Found> found;
+        std::vector<CompactGuess> found;
         for (const double share : {0.2, 0.15, 0.11}) {
-            Found next{0, lattice_of(share), expected, 0};
+            CompactGuess next{0, lattice_of(share), expected, 0};
             if (!found.empty() && next.lattice == found.back().lattice) continue;
             next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
                                .guess(next.n, next.color_step, quick, out.status);
             if (!out.status) return out.bytes.clear(), out;
             if (next.color_step > 0) found.push_back(next);
         }
-        std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.promise > b.promise; });
+        sort_guesses(found);
         // So few vertices are a matter of luck.
         const std::size_t tries = expected < 600 ? 4 : 1;
         if (found.size() > 2) found.resize(tries > 1 ? 2 : 1);

@@ -133,8 +133,8 @@ double writing_work(const Arguments& arguments, const ImageFile& image) {
     double work = 1;
     if (has_output(arguments, ".glb") && arguments.meshing.fit_space != FitSpace::linear && arguments.others.empty())
         work += light_work(image);
-    work +=
-        static_cast<double>(arguments.meshes.size()) * mesh_file_work(static_cast<std::size_t>(image.width) * image.height / 50);
+    work += static_cast<double>(arguments.meshes.size()) *
+            mesh_file_work(static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) / 50);
     work += static_cast<double>(render_files(arguments).size()) *
             picture_work(image, arguments.render_scale * arguments.render_scale);
     for (const std::string* name : {&arguments.wireframe, &arguments.residual, &arguments.strip})

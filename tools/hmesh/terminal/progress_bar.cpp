@@ -19,7 +19,7 @@ namespace tool {
 namespace {
 
 bool is_drawn = false;
-std::size_t drawn = 0;  // characters on the line
+std::size_t on_line = 0;  // characters on the line
 
 // The columns of the terminal now, which may change at any time.
 int terminal_columns() {
@@ -82,8 +82,8 @@ void draw_bar(const BarState& state) {
     const int columns = terminal_columns();
     std::string line = bar_line(columns, state);
     const std::size_t written = line.size();
-    line.resize(std::max(written, std::min(drawn, usable(columns))), ' ');
-    drawn = written;
+    line.resize(std::max(written, std::min(on_line, usable(columns))), ' ');
+    on_line = written;
     is_drawn = true;
     std::fprintf(stderr, "\r%s", line.c_str());
     std::fflush(stderr);
@@ -91,8 +91,8 @@ void draw_bar(const BarState& state) {
 
 void wipe_bar() {
     if (!is_drawn) return;
-    const std::string blank(std::min(drawn, usable(terminal_columns())), ' ');
-    drawn = 0;
+    const std::string blank(std::min(on_line, usable(terminal_columns())), ' ');
+    on_line = 0;
     is_drawn = false;
     std::fprintf(stderr, "\r%s\r", blank.c_str());
     std::fflush(stderr);

@@ -144,10 +144,10 @@ std::string bytes_of_tile(const TilePlan& plan, const TileTask& tile, const std:
 
 std::string join_into_folder(const TilePlan& plan, const std::string& output, const std::string& ending, std::string& said) {
     Json facts;
-    const job::Done done = job::find_done(plan.folder, plan.identity, "index", job::Look::sizes, facts);
-    if (!done.why.empty()) return done.why;
+    const job::Done receipt = job::find_done(plan.folder, plan.identity, "index", job::Look::sizes, facts);
+    if (!receipt.why.empty()) return receipt.why;
     std::vector<unsigned char> bytes;
-    if (std::string why = job::read_made(plan.folder, done.made.front(), bytes); !why.empty()) return why;
+    if (std::string why = job::read_made(plan.folder, receipt.made.front(), bytes); !why.empty()) return why;
     Json index = Json::parse(bytes.begin(), bytes.end());
     const job::Folder to(output);
     std::size_t number = 0;

@@ -20,9 +20,9 @@ namespace {
 using job::Json;
 
 // Of a task that must be done.
-std::string find_facts(const TilePlan& plan, const TileTask& task, job::Done& done, Json& facts) {
-    done = job::find_done(plan.folder, plan.identity, name_of(plan, task), job::Look::sizes, facts);
-    return done.why;
+std::string find_facts(const TilePlan& plan, const TileTask& task, job::Done& receipt, Json& facts) {
+    receipt = job::find_done(plan.folder, plan.identity, name_of(plan, task), job::Look::sizes, facts);
+    return receipt.why;
 }
 
 MeshingOptions meshing_of(const TilePlan& plan, std::size_t vertices, hmesh::Progress progress) {
@@ -59,14 +59,14 @@ std::string in_words(const TileSeams& seams) {
 }  // namespace
 
 std::string find_tile(const TilePlan& plan, const TileTask& tile, TileFacts& facts) {
-    job::Done done;
+    job::Done receipt;
     Json found;
-    if (std::string why = find_facts(plan, tile, done, found); !why.empty()) return why;
+    if (std::string why = find_facts(plan, tile, receipt, found); !why.empty()) return why;
     facts.vertices = found["vertices"].get<std::size_t>();
     facts.faces = found["faces"].get<std::size_t>();
     facts.energy = found["energy"].get<double>();
     facts.max_error = found["max_error"].get<double>();
-    facts.file = done.made.front();
+    facts.file = receipt.made.front();
     return {};
 }
 
@@ -121,9 +121,9 @@ std::string TileWorker::share(int number, Json& facts) {
     std::vector<Look> looks;
     for (int y = 0; y < level.down(); ++y)
         for (int x = 0; x < level.across(); ++x) {
-            job::Done done;
+            job::Done receipt;
             Json found;
-            if (std::string why = find_facts(plan_, {TileTaskKind::look, number, x, y}, done, found); !why.empty()) return why;
+            if (std::string why = find_facts(plan_, {TileTaskKind::look, number, x, y}, receipt, found); !why.empty()) return why;
             Look& look = looks.emplace_back();
             look.lost = found["lost"].get<double>();
             look.pixels = found["pixels"].get<std::size_t>();
@@ -144,9 +144,9 @@ std::string TileWorker::share(int number, Json& facts) {
 
 std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor& parallel_for, std::vector<job::Made>& made,
                                   Json& facts) {
-    job::Done done;
+    job::Done receipt;
     Json shares;
-    if (std::string why = find_facts(plan_, {TileTaskKind::shares, task.level, 0, 0}, done, shares); !why.empty()) return why;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, task.level, 0, 0}, receipt, shares); !why.empty()) return why;
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
     const auto across = static_cast<std::size_t>(plan_.level(task.level).across());
@@ -187,9 +187,9 @@ std::string TileWorker::add_level(int number, Json& facts, Json& tiles, TileSeam
         return std::isfinite(psnr) ? Json(psnr) : Json("inf");
     };
     for (int y = 0; y < level.down(); ++y) {
-        job::Done done;
+        job::Done receipt;
         Json row;
-        if (std::string why = find_facts(plan_, {TileTaskKind::seams, number, 0, y}, done, row); !why.empty()) return why;
+        if (std::string why = find_facts(plan_, {TileTaskKind::seams, number, 0, y}, receipt, row); !why.empty()) return why;
         add({row["pairs"].get<std::int64_t>(), row["shared"].get<std::int64_t>(), row["open"].get<std::int64_t>(),
              row["first"].get<std::string>()},
             seams);
@@ -218,9 +218,9 @@ std::string TileWorker::add_level(int number, Json& facts, Json& tiles, TileSeam
             max_error = std::max(max_error, of_tile.max_error);
         }
     }
-    job::Done done;
+    job::Done receipt;
     Json shares;
-    if (std::string why = find_facts(plan_, {TileTaskKind::shares, number, 0, 0}, done, shares); !why.empty()) return why;
+    if (std::string why = find_facts(plan_, {TileTaskKind::shares, number, 0, 0}, receipt, shares); !why.empty()) return why;
     // Of a crossing of seams two pairs side by side and two one above the other tell, and four tiles have it.
     const auto crossings = static_cast<std::size_t>(level.across() - 1) * static_cast<std::size_t>(level.down() - 1);
     facts = {{"step", level.step},
@@ -273,33 +273,33 @@ std::string TileWorker::make_index(std::vector<job::Made>& made, Json& facts) {
 
 std::string TileWorker::run(const TileTask& task, const hmesh::ParallelFor& parallel_for, std::string& said) {
     const auto work = [&](std::vector<job::Made>& made, Json& facts, std::string& told) -> std::string {
-        const auto done = [&](const std::string& why, const std::string& words) {
+        const auto ended = [&](const std::string& why, const std::string& words) {
             told = why.empty() ? words : "";
             return why;
         };
         switch (task.kind) {
             case TileTaskKind::look: {
                 const std::string why = look(task, parallel_for, facts);
-                return done(why, why.empty() ? facts["trials"][0][0].dump() + " vertices tried" : "");
+                return ended(why, why.empty() ? facts["trials"][0][0].dump() + " vertices tried" : "");
             }
             case TileTaskKind::shares: {
                 const std::string why = share(task.level, facts);
-                return done(why, why.empty() ? "sides within " + facts["tolerance"].dump() : "");
+                return ended(why, why.empty() ? "sides within " + facts["tolerance"].dump() : "");
             }
             case TileTaskKind::tile: {
                 const std::string why = make_tile(task, parallel_for, made, facts);
-                return done(why, why.empty() ? facts["vertices"].dump() + " vertices" : "");
+                return ended(why, why.empty() ? facts["vertices"].dump() + " vertices" : "");
             }
             case TileTaskKind::seams: {
                 TileSeams seams;
                 const std::string why = find_seams(plan_, task.level, task.y, seams);
                 facts = value_of(seams);
-                return done(why, in_words(seams));
+                return ended(why, in_words(seams));
             }
             case TileTaskKind::index: break;
         }
         const std::string why = make_index(made, facts);
-        return done(why, why.empty() ? facts["vertices"].dump() + " vertices, PSNR " + facts["psnr"].dump() : "");
+        return ended(why, why.empty() ? facts["vertices"].dump() + " vertices, PSNR " + facts["psnr"].dump() : "");
     };
     return job::do_task(plan_.folder, plan_.identity, name_of(plan_, task), said, work);
 }
