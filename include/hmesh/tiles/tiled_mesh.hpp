@@ -83,13 +83,13 @@ class TiledMesh {
     }
     /// Whether there is a moment table of the whole image: it is not periodic, and is_small() or needs no more than 256 MiB for
     /// that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
-    [[nodiscard]] bool has_whole_table() const noexcept {
+    [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
         return source_->periodic() == Periodic::none && (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels and 512 MiB at most, that patches stay for the next call with the same tiling.
-    [[nodiscard]] bool is_small() const noexcept {
+    [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
         return source_->pixels() <= 4194304 &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
