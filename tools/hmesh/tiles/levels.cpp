@@ -7,8 +7,8 @@
 namespace tool {
 namespace {
 
-// The samples on the lines across a side of level k of an image of `size` samples there. Those of the level at which it is one
-// tile, or of the last, are as far apart as one another; each finer level has these, and one in the middle of any two.
+// The samples of level k on the lines across a side of the image, which has `size` px. Those of the first level at which that is
+// one tile, or of the last, are as far apart as one another; each finer level has these, and one in the middle of any two.
 std::vector<int> lines(int size, int tile, int k, int levels) {
     const std::int64_t cells = size - 1, last = cells >> k;
     int coarsest = 0;

@@ -175,27 +175,35 @@ std::string TileImage::read(const hmesh::kit::Rect& rect, int step, ImageFile& t
     tile.channels = file_.channels;
     tile.bits = file_.bits;
     make_samples(tile);
-    const int half = step / 2, rows = std::max(1, 256 / step);  // of the tile at a time, whatever its height
-    const int left = std::max(0, rect.x * step - half);
-    const int right = std::min(file_.width - 1, (rect.x + rect.width - 1) * step + half);
-    ImageFile band;
-    const auto reduce = [&](const auto& from, auto& to, const hmesh::kit::Rect& known, int first, int last) {
+    // Parts of the tile that are made of 8192 x 256 px each, or of what one sample is made of: files are read by rows.
+    const int columns = std::max(1, 8192 / step), rows = std::max(1, 256 / step);
+    for (int y = 0; y < rect.height; y += rows)
+        for (int x = 0; x < rect.width; x += columns) {
+            if (interrupted) return "interrupted";
+            const hmesh::kit::Rect part{x, y, std::min(columns, rect.width - x), std::min(rows, rect.height - y)};
+            if (std::string why = read_part(rect, part, step, tile); !why.empty()) return why;
+        }
+    return {};
+}
+
+std::string TileImage::read_part(const hmesh::kit::Rect& rect, const hmesh::kit::Rect& part, int step, ImageFile& tile) const {
+    const int half = step / 2, x = rect.x + part.x, y = rect.y + part.y;
+    const int left = std::max(0, x * step - half), right = std::min(file_.width - 1, (x + part.width - 1) * step + half);
+    const int top = std::max(0, y * step - half), bottom = std::min(file_.height - 1, (y + part.height - 1) * step + half);
+    const hmesh::kit::Rect known{left, top, right - left + 1, bottom - top + 1};
+    ImageFile pixels;
+    if (std::string why = read(known, pixels); !why.empty()) return why;
+    const auto reduce = [&](const auto& from, auto& to) {
         const SquareMean mean(from.data(), known, file_.width, file_.height, file_.channels, step);
-        auto* at = to.data() + tile.channels * (static_cast<std::ptrdiff_t>(first) * tile.width);
-        for (int y = first; y < last; ++y)
-            for (int x = 0; x < tile.width; ++x, at += tile.channels) mean.take((rect.x + x) * step, (rect.y + y) * step, at);
+        for (int j = 0; j < part.height; ++j) {
+            const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(part.y + j) * tile.width + part.x;
+            for (int i = 0; i < part.width; ++i)
+                mean.take((x + i) * step, (y + j) * step, to.data() + tile.channels * (first + i));
+        }
     };
-    for (int first = 0; first < tile.height; first += rows) {
-        if (interrupted) return "interrupted";
-        const int last = std::min(first + rows, tile.height);
-        const int top = std::max(0, (rect.y + first) * step - half);
-        const int bottom = std::min(file_.height - 1, (rect.y + last - 1) * step + half);
-        const hmesh::kit::Rect known{left, top, right - left + 1, bottom - top + 1};
-        if (std::string why = read(known, band); !why.empty()) return why;
-        if (tile.bits == 8) reduce(band.samples8, tile.samples8, known, first, last);
-        else if (tile.bits == 16) reduce(band.samples16, tile.samples16, known, first, last);
-        else reduce(band.samples32, tile.samples32, known, first, last);
-    }
+    if (tile.bits == 8) reduce(pixels.samples8, tile.samples8);
+    else if (tile.bits == 16) reduce(pixels.samples16, tile.samples16);
+    else reduce(pixels.samples32, tile.samples32);
     return {};
 }
 

@@ -21,12 +21,15 @@ class TileImage {
 
     // The samples of a rectangle of the image at 1 / step of its size. Each is the mean of the square of step x step px around
     // pixel (step * x, step * y), of as much of it as is in the image; colours count by their alpha. Rectangles have the same
-    // samples where they overlap. Reads bands of some 256 rows.
+    // samples where they overlap.
     [[nodiscard]] std::string read(const hmesh::kit::Rect& rect, int step, ImageFile& tile) const;
 
   private:
     // The pixels of a rectangle within the image.
     [[nodiscard]] std::string read(const hmesh::kit::Rect& rect, ImageFile& tile) const;
+    // The samples of a part of the tile, which is that of `rect`.
+    [[nodiscard]] std::string read_part(const hmesh::kit::Rect& rect, const hmesh::kit::Rect& part, int step,
+                                        ImageFile& tile) const;
 
     ImageFile file_;
 };
