@@ -13361,7 +13361,7 @@ class TiledMesh {
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
-        const bool stays = sizes.size() == 1 || is_small();
+        const bool stays = is_small() || (whole != nullptr && sizes.size() == 1);
         std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::optional<Patch<C>>& patch = patches_[tile];
