@@ -98,6 +98,21 @@ std::string in_words(std::size_t vertices, std::size_t faces) {
     return std::to_string(vertices) + " vertices, " + std::to_string(faces) + " triangles";
 }
 
+// A tile's file in a folder of tiles, by its ending.
+std::string bytes_of_tile(const TilePlan& plan, const TileTask& tile, const std::string& ending,
+                          std::vector<unsigned char>& bytes) {
+    TileFacts facts;
+    if (ending == ".hmc") {
+        if (std::string why = find_tile(plan, tile, facts); !why.empty()) return why;
+        return job::read_made(plan.folder, facts.file, bytes);
+    }
+    hmesh::Mesh mesh;
+    if (std::string why = read_tile(plan, tile, facts, mesh); !why.empty()) return why;
+    place(plan, tile, mesh);
+    const hmesh::Status status = write_mesh(mesh.view(), ending, {}, bytes);
+    return status ? "" : "cannot make " + file_of(plan, tile) + ending + ": " + tool::in_words(status);
+}
+
 }  // namespace
 
 std::string join_into_file(const TilePlan& plan, const std::string& output, std::string& said) {
@@ -116,31 +131,6 @@ std::string join_into_file(const TilePlan& plan, const std::string& output, std:
         return status || !file.error().empty() ? std::string() : tool::in_words(status);
     });
 }
-
-namespace {
-
-// A tile's file in a folder of tiles, by its ending.
-std::string bytes_of_tile(const TilePlan& plan, const TileTask& tile, const std::string& ending,
-                          std::vector<unsigned char>& bytes) {
-    bytes.clear();
-    TileFacts facts;
-    if (ending == ".hmc") {
-        if (std::string why = find_tile(plan, tile, facts); !why.empty()) return why;
-        return job::read_made(plan.folder, facts.file, bytes);
-    }
-    hmesh::Mesh mesh;
-    if (std::string why = read_tile(plan, tile, facts, mesh); !why.empty()) return why;
-    place(plan, tile, mesh);
-    const auto sink = [&](const void* from, std::size_t size) {
-        const auto* const first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
-    const hmesh::Status status = write_mesh(mesh.view(), ending, {}, sink);
-    return status ? "" : "cannot make " + file_of(plan, tile) + ending + ": " + tool::in_words(status);
-}
-
-}  // namespace
 
 std::string join_into_folder(const TilePlan& plan, const std::string& output, const std::string& ending, std::string& said) {
     Json facts;

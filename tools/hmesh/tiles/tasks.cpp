@@ -157,15 +157,10 @@ std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor
     const hmesh::Result result = mesh_file(tile, options, parallel_for);
     if (!result.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(result.status);
     std::vector<unsigned char> bytes;
-    const auto sink = [&](const void* from, std::size_t size) {
-        const auto* const first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
     FormatOptions format;
     format.compact.colors = compact_colors(plan_.bits);
     const std::string name = "tiles/" + file_of(plan_, task) + ".hmc";
-    if (const hmesh::Status status = write_mesh(result.mesh.view(), ".hmc", format, sink); !status)
+    if (const hmesh::Status status = write_mesh(result.mesh.view(), ".hmc", format, bytes); !status)
         return "cannot make '" + plan_.folder.path(name) + "': " + tool::in_words(status);
     made.emplace_back();
     if (std::string why = job::write_made(plan_.folder, name, bytes.data(), bytes.size(), made.back()); !why.empty()) return why;

@@ -60,12 +60,24 @@ std::vector<SideCounts> count_sides(const ImageFile& tile, const std::vector<dou
     return counts;
 }
 
-void make_samples(ImageFile& image) {
+// Calls body(from, to) with the samples of two images of one kind.
+template <class Body>
+auto with_samples(const ImageFile& from, ImageFile& to, Body&& body) {
+    return from.bits == 8    ? body(from.samples8, to.samples8)
+           : from.bits == 16 ? body(from.samples16, to.samples16)
+                             : body(from.samples32, to.samples32);
+}
+
+// Makes an image of the kind of another, whose samples are to be set.
+void make_like(const ImageFile& other, int width, int height, ImageFile& image) {
+    image = {};
+    image.width = width;
+    image.height = height;
+    image.channels = other.channels;
+    image.bits = other.bits;
     const std::size_t count =
-        static_cast<std::size_t>(image.width) * static_cast<std::size_t>(image.height) * static_cast<std::size_t>(image.channels);
-    if (image.bits == 8) image.samples8.resize(count);
-    else if (image.bits == 16) image.samples16.resize(count);
-    else image.samples32.resize(count);
+        static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * static_cast<std::size_t>(image.channels);
+    with_samples(other, image, [&](const auto& /*from*/, auto& to) { to.resize(count); });
 }
 
 template <class T>
@@ -128,18 +140,10 @@ class SquareMean {
 }  // namespace
 
 double halve(const ImageFile& tile, ImageFile& half) {
-    half = {};
-    half.width = tile.width / 2;
-    half.height = tile.height / 2;
-    half.channels = tile.channels;
-    half.bits = tile.bits;
-    make_samples(half);
-    const auto of = [&](const auto& from, auto& to) {
+    make_like(tile, tile.width / 2, tile.height / 2, half);
+    return with_samples(tile, half, [&](const auto& from, auto& to) {
         return halve(from.data(), tile.width, tile.channels, half.width, half.height, to.data());
-    };
-    return tile.bits == 8    ? of(tile.samples8, half.samples8)
-           : tile.bits == 16 ? of(tile.samples16, half.samples16)
-                             : of(tile.samples32, half.samples32);
+    });
 }
 
 std::string TileImage::open(const std::string& path) {
@@ -149,12 +153,7 @@ std::string TileImage::open(const std::string& path) {
 }
 
 std::string TileImage::read(const hmesh::kit::Rect& rect, ImageFile& tile) const {
-    tile = {};
-    tile.width = rect.width;
-    tile.height = rect.height;
-    tile.channels = file_.channels;
-    tile.bits = file_.bits;
-    make_samples(tile);
+    make_like(file_, rect.width, rect.height, tile);
     const std::size_t pixel = bytes_of_pixel(tile), row = pixel * static_cast<std::size_t>(rect.width);
     if (file_.rectangles)
         return file_.rectangles->read(rect, samples_of(tile), static_cast<std::ptrdiff_t>(row)) ? "" : file_.rectangles->why();
@@ -169,12 +168,7 @@ std::string TileImage::read(const hmesh::kit::Rect& rect, ImageFile& tile) const
 
 std::string TileImage::read(const hmesh::kit::Rect& rect, int step, ImageFile& tile) const {
     if (step == 1) return read(rect, tile);
-    tile = {};
-    tile.width = rect.width;
-    tile.height = rect.height;
-    tile.channels = file_.channels;
-    tile.bits = file_.bits;
-    make_samples(tile);
+    make_like(file_, rect.width, rect.height, tile);
     // Parts of the tile that are made of 8192 x 256 px each, or of what one sample is made of: files are read by rows.
     const int columns = std::max(1, 8192 / step), rows = std::max(1, 256 / step);
     for (int y = 0; y < rect.height; y += rows)
@@ -193,17 +187,14 @@ std::string TileImage::read_part(const hmesh::kit::Rect& rect, const hmesh::kit:
     const hmesh::kit::Rect known{left, top, right - left + 1, bottom - top + 1};
     ImageFile pixels;
     if (std::string why = read(known, pixels); !why.empty()) return why;
-    const auto reduce = [&](const auto& from, auto& to) {
+    with_samples(pixels, tile, [&](const auto& from, auto& to) {
         const SquareMean mean(from.data(), known, file_.width, file_.height, file_.channels, step);
         for (int j = 0; j < part.height; ++j) {
             const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(part.y + j) * tile.width + part.x;
             for (int i = 0; i < part.width; ++i)
                 mean.take((x + i) * step, (y + j) * step, to.data() + tile.channels * (first + i));
         }
-    };
-    if (tile.bits == 8) reduce(pixels.samples8, tile.samples8);
-    else if (tile.bits == 16) reduce(pixels.samples16, tile.samples16);
-    else reduce(pixels.samples32, tile.samples32);
+    });
     return {};
 }
 

@@ -82,6 +82,17 @@ hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending,
     return found->write(mesh, options, sink);
 }
 
+hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
+                         std::vector<unsigned char>& bytes) {
+    bytes.clear();
+    const auto sink = [&](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const unsigned char*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+    return write_mesh(mesh, ending, options, hmesh::Sink(sink));
+}
+
 hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& all, const FormatOptions& options, hmesh::Sink sink) {
     // A level of a sprite may have lost as many vertices as the one before has, or all.
     std::vector<hmesh::MeshView> levels{all.front()};

@@ -46,6 +46,9 @@ struct FormatOptions {
 // Writes the mesh in the format of files that end so, for which there is one.
 [[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
                                        hmesh::Sink sink);
+// The same as bytes of memory, in place of what is there.
+[[nodiscard]] hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
+                                       std::vector<unsigned char>& bytes);
 
 // Writes levels of detail, the finest first, as one .glb file. Of `all` those that have fewer vertices than the one before.
 [[nodiscard]] hmesh::Status write_glb_levels(const std::vector<hmesh::MeshView>& all, const FormatOptions& options,
