@@ -2950,7 +2950,7 @@ struct CompactLattice {
 /// The lattice of about `cell` px a site for an image of width x height px, of which the second image has columns x rows. Where
 /// it is `bare` the file's px are its sites, so that these divide the sides evenly; else a site is whole 1/256 px of the image.
 [[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
-    cell = std::max({cell, 0.7, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
+    cell = std::max({cell, 0.6, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
     CompactLattice out{};
     // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
     const double area = static_cast<double>(width) * height, sites = area / (cell * cell);
@@ -3023,14 +3023,15 @@ class LatticeMesh {
         }
         for (int k = 0; k < 40; ++k) {  // all but a few meshes are there after two
             for (const kit::Vertex v : kit::spatial_vertices(mesh_))
-                if (!is_on_site(v) && !snap(v, 4) && !remove(v)) loosen(v);
+                if (!topology().is_deleted(v) && !is_on_site(v) && !snap(v, 4) && !remove(v) && !loosen(v) && k > 1)
+                    remove_neighbor(v);
             if (left() == 0) break;
             temperature_ = 0.03 * mesh_.mean_energy();
             move_round();
             flip_round();
         }
         if (left() > 0 || !is_valid()) return false;
-        const double hottest = 0.05 * mesh_.mean_energy();
+        const double hottest = 0.08 * mesh_.mean_energy();
         for (int round = 0; round < rounds; ++round) {
             if (!go_on(static_cast<double>(round) / rounds)) break;
             temperature_ = hottest * std::max(0.0, 1 - round / (0.85 * rounds));
@@ -3195,8 +3196,8 @@ class LatticeMesh {
         mesh_.collapse(best);
         return true;
     }
-    // Flips edges of a vertex away from it, where they can be.
-    void loosen(kit::Vertex v) {
+    // Flips edges of a vertex away from it, where they can be. Whether it could be removed then.
+    bool loosen(kit::Vertex v) {
         kit::Array<kit::Edge> spokes;
         for (const kit::Halfedge h : topology().outgoing(v)) spokes.push_back(kit::HalfedgeMesh::edge(h));
         kit::FlipTrial<C> trial;
@@ -3204,8 +3205,16 @@ class LatticeMesh {
             if (!kit::can_flip(mesh_, e) || !do_turn(e) || !topology().is_flip_ok(e)) continue;
             kit::evaluate_flip(mesh_, e, trial);
             mesh_.flip(e, trial.moments, trial.own, trial.opposite);
-            if (remove(v)) return;
+            if (remove(v)) return true;
         }
+        return false;
+    }
+    // Removes one of a vertex's neighbours, where one can be.
+    void remove_neighbor(kit::Vertex v) {
+        around_.clear();
+        for (const kit::Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
+        for (const kit::Vertex u : around_)
+            if (remove(u)) return;
     }
     // Gives a vertex its best colour.
     void recolor(kit::Vertex v) {
@@ -3314,6 +3323,7 @@ class LatticeMesh {
 #define HMESH_RATE_COMPACT_IMAGE_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -3400,11 +3410,11 @@ class CompactRuns {
     switch (effort) {
         case Effort::draft: return 2;
         case Effort::fast: return 4;
-        case Effort::normal: return 8;
-        case Effort::fine: return 30;
-        case Effort::best: return 120;
+        case Effort::normal: return 30;
+        case Effort::fine: return 80;
+        case Effort::best: return 300;
     }
-    return 8;
+    return 30;
 }
 
 /// The search of compact_image() on one lattice.
@@ -3427,7 +3437,7 @@ class CompactSearch {
     [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, Status& status) {
         double most = -std::numeric_limits<double>::infinity();
         if (!mesh(n, recipe, 3, status)) return most;
-        for (const std::uint32_t step : {90U, 128U, 180U, 256U, 362U}) {
+        for (const std::uint32_t step : {64U, 90U, 128U, 180U, 256U, 362U, 512U}) {
             const std::vector<std::uint8_t> file = write(step);
             const double share = static_cast<double>(file.size()) / static_cast<double>(options_->bytes);
             // Of photographs and drawings alike some 1.7 dB for twice the bytes.
@@ -3574,7 +3584,7 @@ template <class T, int C>
                                               const Annealed& recipe, const ParallelFor& parallel_for) {
     CompactImage out;
     Annealed quick = recipe;
-    quick.effort = std::min(recipe.effort, Effort::normal);
+    quick.effort = std::min(recipe.effort, Effort::fast);
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     const std::int64_t expected =
         std::max<std::int64_t>(4, std::min(pixels, static_cast<std::int64_t>(options.bytes) * 2 / 5));  // 20 bits a vertex
@@ -3595,24 +3605,42 @@ template <class T, int C>
     if (!CompactSearch<C>(image, options, lattice_of(0.2), runs, parallel_for).begin(quick, out)) return out;
     if (out.psnr < Target::invisible) {  // an image of one colour needs no more
         std::vector<CompactGuess> found;
-        for (const double share : {0.2, 0.15, 0.11}) {
-            CompactGuess next{0, lattice_of(share), expected, 0};
-            if (!found.empty() && next.lattice == found.back().lattice) continue;
-            next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
-                               .guess(next.n, next.color_step, quick, out.status);
-            if (!out.status) return out.bytes.clear(), out;
+        const auto look = [&](double share) {
+            CompactGuess next{0, lattice_of(share), 0, 0};
+            if (!found.empty() && next.lattice == found.back().lattice) return 0.0;
+            // Of some numbers of vertices, few, there is no mesh on a lattice.
+            const std::int64_t near = found.empty() ? expected : found.back().n;
+            for (int percent = 100; percent > 90 && next.color_step == 0 && out.status; percent -= 3) {
+                next.n = std::max<std::int64_t>(4, near * percent / 100);
+                next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
+                                   .guess(next.n, next.color_step, quick, out.status);
+            }
             if (next.color_step > 0) found.push_back(next);
+            return next.promise;
+        };
+        // Finer lattices than this one or, where they promise less, coarser ones.
+        const double first = look(0.11);
+        double most = first;
+        for (const std::array<double, 3>& shares : {std::array<double, 3>{0.08, 0.06, 0.045}, {0.15, 0.2, 0.27}}) {
+            for (const double share : shares) {
+                const double promise = look(share);
+                if (!(promise > most)) break;
+                most = promise;
+            }
+            if (!out.status) return out.bytes.clear(), out;
+            if (most > first) break;
         }
         sort_guesses(found);
         // So few vertices are a matter of luck.
-        const std::size_t tries = expected < 600 ? 4 : 1;
-        if (found.size() > 2) found.resize(tries > 1 ? 2 : 1);
-        double before = out.psnr;
+        const std::size_t tries = expected < 600 ? 4 : 1, lattices = tries > 1 ? 2 : 1;
+        const double begun = out.psnr;
+        double before = begun;
         std::size_t chosen = 0;
-        for (std::size_t k = 0; k < found.size(); ++k) {
+        for (std::size_t k = 0, filled = 0; k < found.size() && filled < lattices; ++k) {
             CompactSearch<C> search(image, options, found[k].lattice, runs, parallel_for);
             if (!search.fill(found[k].n, found[k].color_step, recipe, out)) return out.bytes.clear(), out;
             if (out.psnr > before) before = out.psnr, chosen = k;
+            if (before > begun) ++filled;  // on a lattice without a mesh, none is
         }
         Annealed again = recipe;
         for (std::size_t k = 1; k < tries && chosen < found.size(); ++k) {

@@ -96,6 +96,22 @@ TEST_CASE("slivers that rounding turns over come to the lattice too, and no edge
     }
 }
 
+TEST_CASE("where slivers lie so close that none can be removed, a neighbour is") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 80, 15);
+    const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 120, 80});
+    const CompactLattice lattice = hmesh::detail::find_lattice(120, 80, 120, 80, 1, false);
+    hmesh_test::MeshKind kind;
+    kind.width = lattice.x.pixels;
+    kind.height = lattice.y.pixels;
+    kind.points = 3200;
+    kind.flips = 32000;
+    LatticeMesh<3> moved(table, lattice, 1);
+    REQUIRE(moved.settle(hmesh_test::random_mesh(kind, 15), 0, [](double) { return true; }));
+    const Mesh mesh = moved.mesh();
+    CHECK(mesh.vertex_count() > 2000);
+    CHECK(hmesh_test::flaw_of(mesh.view(), 120, 80).empty());
+}
+
 TEST_CASE("who says stop is heard between two rounds") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(60, 40, 1);
     const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 60, 40});

@@ -81,7 +81,7 @@ struct CompactLattice {
 /// The lattice of about `cell` px a site for an image of width x height px, of which the second image has columns x rows. Where
 /// it is `bare` the file's px are its sites, so that these divide the sides evenly; else a site is whole 1/256 px of the image.
 [[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
-    cell = std::max({cell, 0.7, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
+    cell = std::max({cell, 0.6, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
     CompactLattice out{};
     // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
     const double area = static_cast<double>(width) * height, sites = area / (cell * cell);

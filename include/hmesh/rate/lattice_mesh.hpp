@@ -59,14 +59,15 @@ class LatticeMesh {
         }
         for (int k = 0; k < 40; ++k) {  // all but a few meshes are there after two
             for (const kit::Vertex v : kit::spatial_vertices(mesh_))
-                if (!is_on_site(v) && !snap(v, 4) && !remove(v)) loosen(v);
+                if (!topology().is_deleted(v) && !is_on_site(v) && !snap(v, 4) && !remove(v) && !loosen(v) && k > 1)
+                    remove_neighbor(v);
             if (left() == 0) break;
             temperature_ = 0.03 * mesh_.mean_energy();
             move_round();
             flip_round();
         }
         if (left() > 0 || !is_valid()) return false;
-        const double hottest = 0.05 * mesh_.mean_energy();
+        const double hottest = 0.08 * mesh_.mean_energy();
         for (int round = 0; round < rounds; ++round) {
             if (!go_on(static_cast<double>(round) / rounds)) break;
             temperature_ = hottest * std::max(0.0, 1 - round / (0.85 * rounds));
@@ -231,8 +232,8 @@ class LatticeMesh {
         mesh_.collapse(best);
         return true;
     }
-    // Flips edges of a vertex away from it, where they can be.
-    void loosen(kit::Vertex v) {
+    // Flips edges of a vertex away from it, where they can be. Whether it could be removed then.
+    bool loosen(kit::Vertex v) {
         kit::Array<kit::Edge> spokes;
         for (const kit::Halfedge h : topology().outgoing(v)) spokes.push_back(kit::HalfedgeMesh::edge(h));
         kit::FlipTrial<C> trial;
@@ -240,8 +241,16 @@ class LatticeMesh {
             if (!kit::can_flip(mesh_, e) || !do_turn(e) || !topology().is_flip_ok(e)) continue;
             kit::evaluate_flip(mesh_, e, trial);
             mesh_.flip(e, trial.moments, trial.own, trial.opposite);
-            if (remove(v)) return;
+            if (remove(v)) return true;
         }
+        return false;
+    }
+    // Removes one of a vertex's neighbours, where one can be.
+    void remove_neighbor(kit::Vertex v) {
+        around_.clear();
+        for (const kit::Halfedge h : topology().outgoing(v)) around_.push_back(topology().to_vertex(h));
+        for (const kit::Vertex u : around_)
+            if (remove(u)) return;
     }
     // Gives a vertex its best colour.
     void recolor(kit::Vertex v) {
