@@ -109,7 +109,7 @@ export function createPainter(canvas, redraw) {
     const atOnce = Math.max(1, Math.floor(BAND / (4 * columns)));
     for (let row = 0; row < rows; row += atOnce) {
       const count = Math.min(atOnce, rows - row);
-      let band = pixels.subarray(row * width, (row + count) * width);
+      let band = pixels.slice(row * width, (row + count) * width); // WebGL takes none that is shared
       if (step > 1) {
         band = new Uint32Array(count * columns);
         for (let i = 0, y = row; y < row + count; y++)

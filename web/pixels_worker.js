@@ -41,6 +41,14 @@ async function read(file, limit) {
   }
 }
 
+// The same bytes, shared where they can be: others are copied for each worker that is told of them, which holds the page.
+function shared(data) {
+  if (!self.crossOriginIsolated) return data;
+  const copy = new Uint8ClampedArray(new SharedArrayBuffer(data.length));
+  copy.set(data);
+  return copy;
+}
+
 const isOpaque = (data) => new Uint32Array(data.buffer).every((pixel) => pixel >>> 24 === 255);
 
 async function encode({ data, width, height }) {
@@ -52,13 +60,14 @@ async function encode({ data, width, height }) {
 async function answer({ file, limit, sample, width, height, encode: pixels }) {
   if (pixels) return { blob: await encode(pixels) };
   const picture = file ? await read(file, limit) : { data: draw(sample, width, height), width, height, full: { width, height } };
-  return { picture: { ...picture, isOpaque: isOpaque(picture.data) } };
+  return { picture: { ...picture, data: shared(picture.data), isOpaque: isOpaque(picture.data) } };
 }
 
 self.onmessage = async ({ data }) => {
   try {
     const made = await answer(data);
-    self.postMessage({ id: data.id, ...made }, made.picture ? [made.picture.data.buffer] : []);
+    const buffer = made.picture?.data.buffer;
+    self.postMessage({ id: data.id, ...made }, buffer instanceof ArrayBuffer ? [buffer] : []);
   } catch (error) {
     self.postMessage({ id: data.id, error: error.message });
   }

@@ -365,8 +365,9 @@ template <class T, int C>
 
 /// An image as a compact file of at most options.bytes bytes: vertices, lattice and steps of colours are chosen together, for the
 /// least error found, as the image is drawn from the file. Of the bytes all but 2 % are used, unless fewer give a PSNR of 55 dB
-/// or all pixels are vertices. Same bytes for any executor. Takes some 10 runs of mesh_image() and as long again on the lattice:
-/// 0.7 s for 300 bytes with Effort::normal, 2.5 s for 3,000; 2 s and 5 s with Effort::fine, which is 0.05 to 0.2 dB better.
+/// or all pixels are vertices. Same bytes for any executor. Takes some ten runs of mesh_image(), half of them quick, and as long
+/// on the lattice: 1.4 s for 300 bytes with Effort::normal, 2.4 s for 3,000; 3 s and 6 s with Effort::fine, which is 0.05 to
+/// 0.2 dB better.
 ///
 /// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
 /// \param options       how many bytes, and which profile
