@@ -34,4 +34,11 @@
 #define HMESH_COLD
 #endif
 
+/// Asks for the line of memory at an address, which is soon to be read, where there is a word for it.
+#if defined(__GNUC__) && !defined(__wasm__)
+#define HMESH_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define HMESH_PREFETCH(address) static_cast<void>(address)
+#endif
+
 #endif  // HMESH_CORE_COMPILER_HPP
