@@ -90,6 +90,15 @@
 #define HMESH_COLD
 #endif
 
+/// For functions that run once a patch in each phase, or on all of a mesh between phases, and for what these call: a tenth of the
+/// time of a draft of many megapixels. Compiled for size where a page has to load them. Elsewhere nothing that they call for
+/// certain may be HMESH_COLD, an array's destructor included: to GCC that makes the caller cold.
+#if defined(__wasm__)
+#define HMESH_PATCHWISE HMESH_COLD
+#else
+#define HMESH_PATCHWISE HMESH_NEVER_INLINE
+#endif
+
 /// Asks for the line of memory at an address, which is soon to be read, where there is a word for it.
 #if defined(__GNUC__) && !defined(__wasm__)
 #define HMESH_PREFETCH(address) __builtin_prefetch(address)
@@ -128,17 +137,17 @@ template <std::size_t alignment>
 class ArrayMemory {
   public:
     ArrayMemory() noexcept = default;
-    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
+    HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
+    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory other) noexcept {
         swap(other);
         return *this;
     }
-    HMESH_COLD ~ArrayMemory() { free(data_); }
+    HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
 
   protected:
     /// Makes room for so many bytes in all, or for twice as many as there were.
-    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void make_room(std::size_t bytes) {
         if (bytes <= room_) return;
         const std::size_t room = std::max(bytes, 2 * room_);
         void* data = nullptr;  // aligned memory costs more, where it is not needed
@@ -149,7 +158,7 @@ class ArrayMemory {
         room_ = room;
     }
     /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
-    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void put_in(std::size_t place, const void* from, std::size_t bytes) {
         if (bytes == 0) return;
         make_room(used_ + bytes);
         std::memmove(data_ + place + bytes, data_ + place, used_ - place);
@@ -8965,7 +8974,7 @@ class HalfedgeMesh {
     /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
     /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
-    [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
@@ -9282,7 +9291,7 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
     clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
         clear();
@@ -9829,8 +9838,8 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_COLD Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                                                const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
@@ -12632,8 +12641,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
-                                        const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -12698,7 +12707,7 @@ struct PatchFaces {
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
@@ -12800,8 +12809,8 @@ class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
-    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
+    HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+                          const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -12866,7 +12875,7 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> free_vertices() const {
         Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
@@ -12875,7 +12884,7 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
@@ -12883,7 +12892,7 @@ class Patch {
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_hindered() {
         Array<Vertex> vertices = take_was_locked();
         Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
@@ -12902,7 +12911,7 @@ class Patch {
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
-    [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
+    [[nodiscard]] HMESH_PATCHWISE detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
@@ -13414,7 +13423,7 @@ class TiledMesh {
     }
     /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
     /// gone. Unless it `stays` as it is held, what is done with is freed.
-    [[nodiscard]] HMESH_COLD IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
+    [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {

@@ -55,8 +55,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
-                                        const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -121,7 +121,7 @@ struct PatchFaces {
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
@@ -223,8 +223,8 @@ class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
-    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
+    HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+                          const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
         Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
         for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
@@ -289,7 +289,7 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> free_vertices() const {
         Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
@@ -298,7 +298,7 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
@@ -306,7 +306,7 @@ class Patch {
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_hindered() {
         Array<Vertex> vertices = take_was_locked();
         Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
@@ -325,7 +325,7 @@ class Patch {
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
-    [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
+    [[nodiscard]] HMESH_PATCHWISE detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
