@@ -7442,7 +7442,7 @@ class WeightScale {
 ///
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide), and kept for every
 /// second x alone, with the samples of the pixel between, from which the other entries follow. All other sums are doubles, exact
-/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 3 ns a pixel to build; 64 and 128
+/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 2 ns a pixel to build; 64 and 128
 /// bytes, and 6 ns, for other samples. Entries of a column are contiguous down the rows, those of doubles of two columns,
 /// because walks run down edges: this keeps them in few cache lines and pages.
 ///
@@ -7685,8 +7685,8 @@ class MomentTable {
         return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
-    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
-    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= most of them from column x0 on,
+    /// run after run, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
     /// RGB: takes a third of the time of row by row.
     template <int most = chunk, class Body>
     HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
@@ -12611,7 +12611,7 @@ class Tiling {
 /// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
 /// once for each fan.
 ///
-/// Cost: cutting and putting back about 1 us a vertex, the table 5 ns a pixel.
+/// Cost: cutting and putting back about 1 us a vertex, the table 2 to 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -12701,8 +12701,9 @@ struct PatchFaces {
         std::uint32_t vertex;  ///< in the indexed mesh
         int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> faces;  ///< in the order of Cut::faces
-    Array<Locked> locked;         ///< vertices after the free ones
+    std::vector<Triangle> faces;    ///< in the order of Cut::faces
+    Array<Locked> locked;           ///< vertices after the free ones
+    Array<std::uint32_t> vertices;  ///< all of them by their index in the indexed mesh
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
@@ -12711,11 +12712,12 @@ struct PatchFaces {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
+    patch.vertices.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
-            if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
+            if (cut.owner[t[c]] != Cut::locked) patch.vertices[local[c] = cut.number[t[c]]] = t[c];
             else corners.push_back({t[c], static_cast<std::uint32_t>(patch.faces.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
         patch.faces.push_back(local);
@@ -12731,6 +12733,7 @@ struct PatchFaces {
             patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
     });
+    for (const PatchFaces::Locked& f : patch.locked) patch.vertices.push_back(f.vertex);
     return patch;
 }
 
@@ -12812,12 +12815,7 @@ class Patch {
     HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                           const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
-        Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
-        for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
-        for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : indexed.faces[cut.faces[k]])
-                if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
-
+        const Array<std::uint32_t> vertices = std::move(numbered_.vertices);
         Point low{1e9, 1e9}, high{-1e9, -1e9};
         for (const std::uint32_t v : vertices) {
             const Point p = indexed.positions[v];

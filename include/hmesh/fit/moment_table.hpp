@@ -10,7 +10,7 @@
 ///
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide), and kept for every
 /// second x alone, with the samples of the pixel between, from which the other entries follow. All other sums are doubles, exact
-/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 3 ns a pixel to build; 64 and 128
+/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 2 ns a pixel to build; 64 and 128
 /// bytes, and 6 ns, for other samples. Entries of a column are contiguous down the rows, those of doubles of two columns,
 /// because walks run down edges: this keeps them in few cache lines and pages.
 ///
@@ -264,8 +264,8 @@ class MomentTable {
         return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
-    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
-    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= most of them from column x0 on,
+    /// run after run, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
     /// RGB: takes a third of the time of row by row.
     template <int most = chunk, class Body>
     HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
