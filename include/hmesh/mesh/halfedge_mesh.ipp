@@ -26,47 +26,40 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     if (vertex_count >= free_end / 6)
         return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
 
-    // The sides of triangles by their larger corner and then, the second step of a radix sort, by their smaller one, so that the
-    // two half-edges of an edge follow each other. A side is, from high bits to low ones, the larger corner, whether it runs from
-    // there, and 3 * triangle + k for the side from corner k to corner k + 1.
+    // The sides of triangles by their smaller corner, and of one smaller corner sorted by the larger one, so that the two
+    // half-edges of an edge follow each other. A side is, from high bits to low ones, the larger corner, whether it runs from
+    // there, and 3 * triangle + k for the side from corner k to corner k + 1: sorting numbers takes half the time of structs.
     // Not (k + 1) % 3, which becomes a division where code is to be small.
     const auto after = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     constexpr std::uint64_t reversed = std::uint64_t{1} << 32;
-    Array<std::uint32_t> first(vertex_count + 1, 0), first_of_larger(vertex_count + 1, 0);
+    Array<std::uint32_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
             const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
             if (a >= vertex_count || b >= vertex_count) return fail("a triangle names a vertex that does not exist", t);
             if (a == b) return fail("a triangle names a vertex twice", t);
             ++first[std::min(a, b) + 1];
-            ++first_of_larger[std::max(a, b) + 1];
         }
-    for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v], first_of_larger[v + 1] += first_of_larger[v];
-    Array<std::uint32_t> numbers(3 * triangles.size());  // of sides by their larger corner, then of the half-edges of sides
+    for (std::size_t v = 0; v < vertex_count; ++v) first[v + 1] += first[v];
+    Array<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
-        for (std::size_t k = 0; k < 3; ++k)
-            numbers[first_of_larger[std::max(triangles[t][k], triangles[t][after(k)])]++] = static_cast<std::uint32_t>(3 * t + k);
-    Array<std::uint64_t> sides(numbers.size());
-    for (std::uint32_t v = 0, i = 0; v < vertex_count; ++v)
-        for (; i < first_of_larger[v]; ++i) {
-            const Triangle& t = triangles[numbers[i] / 3];
-            const std::uint32_t a = t[numbers[i] % 3], b = t[after(numbers[i] % 3)];
-            sides[first[std::min(a, b)]++] = std::uint64_t{v} << 33U | (a > b ? reversed : 0) | numbers[i];
+        for (std::size_t k = 0; k < 3; ++k) {
+            const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
+            sides[first[std::min(a, b)]++] =
+                std::uint64_t{std::max(a, b)} << 33U | (a > b ? reversed : 0) | static_cast<std::uint32_t>(3 * t + k);
         }
-    Array<Halfedge> boundary;
+    Array<Halfedge> side_halfedge(3 * triangles.size());
     std::size_t edges = 0;
     for (std::size_t v = 0, i = 0; v < vertex_count; ++v) {
-        std::uint64_t last[2] = {};  // the side to a larger corner, which is never 0, and that from one
-        for (; i < first[v]; ++i) {
+        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(first[v]));
+        for (std::uint64_t before = 0; i < first[v]; before = sides[i++]) {
             const std::uint64_t side = sides[i];
-            const unsigned way = (side & reversed) != 0 ? 1 : 0;
-            if ((side ^ last[way]) >> 33U == 0)
+            // The larger corner is never 0.
+            if ((side ^ before) >> 32U == 0)
                 return fail("an edge is used twice in one direction, first by triangle",
-                            static_cast<std::uint32_t>(last[way]) / 3);
-            if ((side ^ last[1 - way]) >> 33U == 0) boundary.pop_back();
-            else boundary.push_back(Halfedge(2 * edges++ + 1 - way));
-            last[way] = side;
-            numbers[static_cast<std::uint32_t>(side)] = static_cast<std::uint32_t>(2 * edges - 2 + way);
+                            static_cast<std::uint32_t>(before) / 3);
+            edges += (side ^ before) >> 33U != 0 ? 1 : 0;
+            side_halfedge[static_cast<std::uint32_t>(side)] = Halfedge(2 * edges - ((side & reversed) != 0 ? 1 : 2));
         }
     }
 
@@ -77,7 +70,7 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     counts_.edges = edges;
     counts_.faces = triangles.size();
     for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Halfedge h[] = {Halfedge(numbers[3 * t]), Halfedge(numbers[3 * t + 1]), Halfedge(numbers[3 * t + 2])};
+        const Halfedge* const h = side_halfedge.data() + 3 * t;
         const Triangle& v = triangles[t];
         set_triangle(Face(t), h[0], h[1], h[2]);
         for (std::size_t k = 0; k < 3; ++k) {
@@ -86,7 +79,9 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
             set_halfedge(Vertex(v[k]), h[k]);
         }
     }
-    for (const Halfedge h : boundary) {
+    for (std::size_t i = 0; i < halfedges_.size(); ++i) {
+        const Halfedge h(i);
+        if (!is_boundary(h)) continue;
         const Vertex v = from_vertex(h);
         if (vertices_[v.index()].deleted()) return fail("a vertex belongs to no triangle", v.index());
         if (is_boundary(halfedge(v))) return fail("two fans of triangles meet in one vertex", v.index());
@@ -95,7 +90,8 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     for (std::size_t i = 0; i < vertex_count; ++i)
         if (vertices_[i].deleted()) return fail("a vertex belongs to no triangle", i);
     // The boundary half-edge after h leaves h's end; each end has only one.
-    for (const Halfedge h : boundary) set_next(h, halfedge(to_vertex(h)));
+    for (std::size_t i = 0; i < halfedges_.size(); ++i)
+        if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
     // One thing is left to be known: whether a turn around each vertex meets all half-edges that leave it. They are as many as
     // there are half-edges in all, and a turn meets none twice.
     std::size_t met = 0;
