@@ -90,6 +90,22 @@
 #define HMESH_COLD
 #endif
 
+/// For functions that run once a patch in each phase, or on all of a mesh between phases, and for what these call: a tenth of the
+/// time of a draft of many megapixels. Compiled for size where a page has to load them. Elsewhere nothing that they call for
+/// certain may be HMESH_COLD, an array's destructor included: to GCC that makes the caller cold.
+#if defined(__wasm__)
+#define HMESH_PATCHWISE HMESH_COLD
+#else
+#define HMESH_PATCHWISE HMESH_NEVER_INLINE
+#endif
+
+/// Asks for the line of memory at an address, which is soon to be read, where there is a word for it.
+#if defined(__GNUC__) && !defined(__wasm__)
+#define HMESH_PREFETCH(address) __builtin_prefetch(address)
+#else
+#define HMESH_PREFETCH(address) static_cast<void>(address)
+#endif
+
 #endif  // HMESH_CORE_COMPILER_HPP
 
 // ---- hmesh/core/array.hpp
@@ -121,17 +137,17 @@ template <std::size_t alignment>
 class ArrayMemory {
   public:
     ArrayMemory() noexcept = default;
-    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
+    HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
+    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory other) noexcept {
         swap(other);
         return *this;
     }
-    HMESH_COLD ~ArrayMemory() { free(data_); }
+    HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
 
   protected:
     /// Makes room for so many bytes in all, or for twice as many as there were.
-    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void make_room(std::size_t bytes) {
         if (bytes <= room_) return;
         const std::size_t room = std::max(bytes, 2 * room_);
         void* data = nullptr;  // aligned memory costs more, where it is not needed
@@ -142,7 +158,7 @@ class ArrayMemory {
         room_ = room;
     }
     /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
-    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void put_in(std::size_t place, const void* from, std::size_t bytes) {
         if (bytes == 0) return;
         make_room(used_ + bytes);
         std::memmove(data_ + place + bytes, data_ + place, used_ - place);
@@ -5986,6 +6002,8 @@ using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
 template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);
+    const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
+    for (int i = 0; i < count * C; i += 64 / static_cast<int>(sizeof(T))) HMESH_PREFETCH(later + i);
     for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
 }
 
@@ -7424,7 +7442,7 @@ class WeightScale {
 ///
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide), and kept for every
 /// second x alone, with the samples of the pixel between, from which the other entries follow. All other sums are doubles, exact
-/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 3 ns a pixel to build; 64 and 128
+/// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 2 ns a pixel to build; 64 and 128
 /// bytes, and 6 ns, for other samples. Entries of a column are contiguous down the rows, those of doubles of two columns,
 /// because walks run down edges: this keeps them in few cache lines and pages.
 ///
@@ -7644,7 +7662,8 @@ class MomentTable {
     static constexpr Parts parts{};
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
-    static constexpr int chunk = 64;                    ///< pixels read at once, an even number
+    static constexpr int chunk = 64;                    ///< most pixels read at once, an even number
+    static constexpr int pairs_chunk = 320;             ///< the same where these become pairs: a row of a tile of 256 px
 
     /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
@@ -7666,15 +7685,15 @@ class MomentTable {
         return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
-    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
-    /// chunk after chunk, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= most of them from column x0 on,
+    /// run after run, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
     /// RGB: takes a third of the time of row by row.
-    template <class Body>
+    template <int most = chunk, class Body>
     HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
-        double samples[chunk * std::size_t{C} + numbers] = {};  // as many as are loaded as lanes of the last one
-        for (int x0 = 0; x0 < width_; x0 += chunk)
+        double samples[most * std::size_t{C} + numbers] = {};  // as many as are loaded as lanes of the last one
+        for (int x0 = 0; x0 < width_; x0 += most)
             for (int y = begin; y < end; ++y) {
-                const int count = std::min(width_ - x0, static_cast<int>(chunk));
+                const int count = std::min(width_ - x0, most);
                 pixels(rect.x + x0, rect.y + y, count, samples);
                 body(y, x0, count, samples);
             }
@@ -7687,26 +7706,26 @@ class MomentTable {
         };
         Sums sums[band];
         for (Sums& of_row : sums) of_row.entry.of_samples = of_row.entry.by_column = of_row.squares = Channels::zero();
-        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+        for_each_run<pairs_chunk>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             Sums sum = sums[y - begin];
-            // The lanes above the channels are of the next pixel, and never looked at.
-            const auto add = [&](int i) {
-                const Channels of_pixel = Channels::load(pixel + std::ptrdiff_t{C} * i);
-                sum.entry.of_samples += of_pixel;
-                sum.entry.by_column += of_pixel * (x0 + i);
-                sum.squares += of_pixel * of_pixel;
-            };
             std::size_t at = pair_offset(x0, y);
-            for (int i = 0; i <= count; i += 2, at += strip_size_) {
+            for (int i = 0; i <= count; i += 2, at += strip_size_, pixel += std::ptrdiff_t{2} * C) {
                 std::int32_t* const to = int32_entries_.data() + at;
                 sum.entry.of_samples.store(to);
                 sum.entry.by_column.store(to + lanes);
                 double squares = 0;
                 for (int c = 0; c < C; ++c) squares += sum.squares[c];
                 to[lanes + C] = static_cast<std::int32_t>(squares);
-                keep(pixel + std::ptrdiff_t{C} * i, to);  // where i == count, what nobody looks at
-                if (i < count) add(i);
-                if (i + 1 < count) add(i + 1);
+                keep(pixel, to);  // where i == count, what nobody looks at
+                if (i == count) break;
+                // Two pixels at once, which sums of whole numbers allow: additions wait for each other. The lanes above the
+                // channels are of the next pixel, and never looked at; no more is a pixel beyond the last of a row.
+                const Channels one = Channels::load(pixel), other = Channels::load(pixel + C);
+                const Channels both = one + other;
+                sum.entry.of_samples += both;
+                sum.entry.by_column += both * (x0 + i) + other;
+                sum.squares += one * one;
+                sum.squares += other * other;
             }
             sums[y - begin] = sum;
         });
@@ -8955,7 +8974,7 @@ class HalfedgeMesh {
     /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
     /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
-    [[nodiscard]] HMESH_COLD Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
@@ -9272,7 +9291,7 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
     clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
         clear();
@@ -9815,8 +9834,8 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_COLD Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                                                const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
@@ -12588,7 +12607,7 @@ class Tiling {
 /// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
 /// once for each fan.
 ///
-/// Cost: cutting and putting back about 1 us a vertex, the table 5 ns a pixel.
+/// Cost: cutting and putting back about 1 us a vertex, the table 2 to 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -12618,8 +12637,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
-                                        const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -12678,21 +12697,23 @@ struct PatchFaces {
         std::uint32_t vertex;  ///< in the indexed mesh
         int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> faces;  ///< in the order of Cut::faces
-    Array<Locked> locked;         ///< vertices after the free ones
+    std::vector<Triangle> faces;    ///< in the order of Cut::faces
+    Array<Locked> locked;           ///< vertices after the free ones
+    Array<std::uint32_t> vertices;  ///< all of them by their index in the indexed mesh
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
+    patch.vertices.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
-            if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
+            if (cut.owner[t[c]] != Cut::locked) patch.vertices[local[c] = cut.number[t[c]]] = t[c];
             else corners.push_back({t[c], static_cast<std::uint32_t>(patch.faces.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
         patch.faces.push_back(local);
@@ -12708,6 +12729,7 @@ struct PatchFaces {
             patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
     });
+    for (const PatchFaces::Locked& f : patch.locked) patch.vertices.push_back(f.vertex);
     return patch;
 }
 
@@ -12786,15 +12808,10 @@ class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
-    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
+    HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+                          const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
-        Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
-        for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
-        for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : indexed.faces[cut.faces[k]])
-                if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
-
+        const Array<std::uint32_t> vertices = std::move(numbered_.vertices);
         Point low{1e9, 1e9}, high{-1e9, -1e9};
         for (const std::uint32_t v : vertices) {
             const Point p = indexed.positions[v];
@@ -12852,7 +12869,7 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> free_vertices() const {
         Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
@@ -12861,7 +12878,7 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
@@ -12869,7 +12886,7 @@ class Patch {
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_hindered() {
         Array<Vertex> vertices = take_was_locked();
         Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
@@ -12888,7 +12905,7 @@ class Patch {
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
-    [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
+    [[nodiscard]] HMESH_PATCHWISE detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };
@@ -13400,7 +13417,7 @@ class TiledMesh {
     }
     /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
     /// gone. Unless it `stays` as it is held, what is done with is freed.
-    [[nodiscard]] HMESH_COLD IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
+    [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {

@@ -30,17 +30,17 @@ template <std::size_t alignment>
 class ArrayMemory {
   public:
     ArrayMemory() noexcept = default;
-    HMESH_COLD ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
+    HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_COLD ArrayMemory& operator=(ArrayMemory other) noexcept {
+    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory other) noexcept {
         swap(other);
         return *this;
     }
-    HMESH_COLD ~ArrayMemory() { free(data_); }
+    HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
 
   protected:
     /// Makes room for so many bytes in all, or for twice as many as there were.
-    HMESH_NEVER_INLINE HMESH_COLD void make_room(std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void make_room(std::size_t bytes) {
         if (bytes <= room_) return;
         const std::size_t room = std::max(bytes, 2 * room_);
         void* data = nullptr;  // aligned memory costs more, where it is not needed
@@ -51,7 +51,7 @@ class ArrayMemory {
         room_ = room;
     }
     /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
-    HMESH_NEVER_INLINE HMESH_COLD void put_in(std::size_t place, const void* from, std::size_t bytes) {
+    HMESH_NEVER_INLINE HMESH_PATCHWISE void put_in(std::size_t place, const void* from, std::size_t bytes) {
         if (bytes == 0) return;
         make_room(used_ + bytes);
         std::memmove(data_ + place + bytes, data_ + place, used_ - place);

@@ -87,8 +87,8 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_COLD Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
-                                           const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
+    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+                                                const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
     [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {

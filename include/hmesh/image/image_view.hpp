@@ -186,6 +186,8 @@ using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
 template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);
+    const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
+    for (int i = 0; i < count * C; i += 64 / static_cast<int>(sizeof(T))) HMESH_PREFETCH(later + i);
     for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
 }
 

@@ -17,7 +17,7 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-inline Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
     clear();
     const auto fail = [this](const char* what, std::size_t where) -> Status {
         clear();

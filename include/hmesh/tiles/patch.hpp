@@ -10,7 +10,7 @@
 /// A patch may have holes and several components. A locked vertex in which two or more fans of the patch's faces meet is held
 /// once for each fan.
 ///
-/// Cost: cutting and putting back about 1 us a vertex, the table 5 ns a pixel.
+/// Cost: cutting and putting back about 1 us a vertex, the table 2 to 5 ns a pixel.
 #ifndef HMESH_TILES_PATCH_HPP
 #define HMESH_TILES_PATCH_HPP
 
@@ -55,8 +55,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_COLD inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces, const Tiling& tiling,
-                                        const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
+                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -115,21 +115,23 @@ struct PatchFaces {
         std::uint32_t vertex;  ///< in the indexed mesh
         int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> faces;  ///< in the order of Cut::faces
-    Array<Locked> locked;         ///< vertices after the free ones
+    std::vector<Triangle> faces;    ///< in the order of Cut::faces
+    Array<Locked> locked;           ///< vertices after the free ones
+    Array<std::uint32_t> vertices;  ///< all of them by their index in the indexed mesh
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_COLD inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
+    patch.vertices.resize(cut.free_count[tile]);
     for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k) {
         const Triangle& t = faces[cut.faces[k]];
         Triangle local{};
         for (std::uint32_t c = 0; c < 3; ++c) {
-            if (cut.owner[t[c]] != Cut::locked) local[c] = cut.number[t[c]];
+            if (cut.owner[t[c]] != Cut::locked) patch.vertices[local[c] = cut.number[t[c]]] = t[c];
             else corners.push_back({t[c], static_cast<std::uint32_t>(patch.faces.size()), c, t[(c + 1) % 3], t[(c + 2) % 3], 0});
         }
         patch.faces.push_back(local);
@@ -145,6 +147,7 @@ struct PatchFaces {
             patch.faces[corners[i].face][corners[i].corner] = first_locked + static_cast<std::uint32_t>(id);
         }
     });
+    for (const PatchFaces::Locked& f : patch.locked) patch.vertices.push_back(f.vertex);
     return patch;
 }
 
@@ -223,15 +226,10 @@ class Patch {
   public:
     /// Makes the patch of tile number `tile` of a cut of the mesh. `whole`: a table of the whole image, which must outlive the
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
-    HMESH_COLD Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
-                     const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
+    HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
+                          const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
         : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
-        Array<std::uint32_t> vertices(free_ + numbered_.locked.size());  // by their index in the mesh that was cut
-        for (std::size_t k = 0; k < numbered_.locked.size(); ++k) vertices[free_ + k] = numbered_.locked[k].vertex;
-        for (std::size_t k = cut.first[tile]; k < cut.first[tile + 1]; ++k)
-            for (const std::uint32_t v : indexed.faces[cut.faces[k]])
-                if (cut.owner[v] != detail::Cut::locked) vertices[cut.number[v]] = v;
-
+        const Array<std::uint32_t> vertices = std::move(numbered_.vertices);
         Point low{1e9, 1e9}, high{-1e9, -1e9};
         for (const std::uint32_t v : vertices) {
             const Point p = indexed.positions[v];
@@ -289,7 +287,7 @@ class Patch {
     /// The energy with which the patch began.
     [[nodiscard]] double first_energy() const noexcept { return first_energy_; }
     /// The vertices that are not locked, in spatial order.
-    [[nodiscard]] HMESH_COLD Array<Vertex> free_vertices() const {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> free_vertices() const {
         Array<Vertex> vertices = spatial_vertices(mesh_);
         vertices.erase(std::remove_if(vertices.begin(), vertices.end(),
                                       [&](Vertex v) { return mesh_.vertex(v).mobility == Mobility::locked; }),
@@ -298,7 +296,7 @@ class Patch {
     }
     /// The vertices that are free here and were locked in the phase before, in spatial order, as far as they are left; handed out
     /// once, then none.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_was_locked() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_was_locked() {
         was_locked_.erase(
             std::remove_if(was_locked_.begin(), was_locked_.end(), [&](Vertex v) { return mesh_.topology().is_deleted(v); }),
             was_locked_.end());
@@ -306,7 +304,7 @@ class Patch {
         return in_spatial_order<Vertex>(vertices, vertices.size(), [&](Vertex v) { return mesh_.position(v); });
     }
     /// The same and their free neighbours, which could not do all that they can either.
-    [[nodiscard]] HMESH_COLD Array<Vertex> take_hindered() {
+    [[nodiscard]] HMESH_PATCHWISE Array<Vertex> take_hindered() {
         Array<Vertex> vertices = take_was_locked();
         Array<unsigned char> known(mesh_.topology().vertex_slots(), 0);
         for (const Vertex v : vertices) known[v.index()] = 1;
@@ -325,7 +323,7 @@ class Patch {
     [[nodiscard]] std::size_t free_count() const noexcept { return mesh_.vertex_count() - numbered_.locked.size(); }
 
     /// The patch as it is now, in the coordinates of the whole image; free vertices and faces are in spatial order.
-    [[nodiscard]] HMESH_COLD detail::PatchResult<C> result() const {
+    [[nodiscard]] HMESH_PATCHWISE detail::PatchResult<C> result() const {
         detail::PatchResult<C> out;
         Array<std::uint32_t> number(mesh_.topology().vertex_slots());
         const auto is_locked = [&](Vertex v) { return v.index() >= free_ && v.index() < free_ + numbered_.locked.size(); };

@@ -245,7 +245,7 @@ class TiledMesh {
     }
     /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
     /// gone. Unless it `stays` as it is held, what is done with is freed.
-    [[nodiscard]] HMESH_COLD IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
+    [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         results.resize(patches_.size());
         detail::EnergySum sum;
         parallel_for_(patches_.size(), [&](std::size_t k) {
