@@ -250,6 +250,12 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
         const T copy = value;  // which may be one of the elements
         append(&copy, sizeof(T));
     }
+    /// Adds an element that is not initialised, to be written before it is read.
+    [[nodiscard]] T& push_raw() {
+        if (used_ + sizeof(T) > room_) make_room(used_ + sizeof(T));
+        used_ += sizeof(T);
+        return end()[-1];
+    }
     /// Adds an element made of these parts.
     template <class... Parts>
     void emplace_back(const Parts&... parts) {
@@ -8931,7 +8937,12 @@ class UndoArray {
         T old;
         std::uint32_t index;
     };
-    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+    // Written where it stays: a copy of all its bytes would wait for those of the index to be stored.
+    HMESH_NEVER_INLINE void note(std::size_t i) {
+        Note& to = notes_.push_raw();
+        to.old = values_[i];
+        to.index = static_cast<std::uint32_t>(i);
+    }
 
     Array<T> values_;
     Array<Note> notes_;
@@ -10535,7 +10546,9 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
-        center = {trial, color, energy};
+        center.position = trial;  // one by one, as a copy of all would wait for these to be stored
+        center.color = color;
+        center.energy = energy;
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;

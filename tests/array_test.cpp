@@ -34,7 +34,7 @@ TEST_CASE("an Array is a std::vector under all of its edits") {
         const std::size_t n = random.below(40), place = random.below(vector.size() + 1);
         const std::vector<std::uint32_t> some(random.below(5), value);
         const auto at = static_cast<std::ptrdiff_t>(place);
-        switch (random.below(12)) {
+        switch (random.below(13)) {
             case 0: array.resize(n), vector.resize(n); break;
             case 1: array.resize(n, value), vector.resize(n, value); break;
             case 2: array.assign(n, value), vector.assign(n, value); break;
@@ -56,6 +56,7 @@ TEST_CASE("an Array is a std::vector under all of its edits") {
                 if (!vector.empty()) array.pop_back(), vector.pop_back();
                 break;
             case 10: array.emplace_back(value), vector.emplace_back(value); break;
+            case 11: array.push_raw() = value, vector.push_back(value); break;
             default: array.push_back(value), vector.push_back(value);
         }
         REQUIRE(array == vector);

@@ -143,6 +143,12 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
         const T copy = value;  // which may be one of the elements
         append(&copy, sizeof(T));
     }
+    /// Adds an element that is not initialised, to be written before it is read.
+    [[nodiscard]] T& push_raw() {
+        if (used_ + sizeof(T) > room_) make_room(used_ + sizeof(T));
+        used_ += sizeof(T);
+        return end()[-1];
+    }
     /// Adds an element made of these parts.
     template <class... Parts>
     void emplace_back(const Parts&... parts) {

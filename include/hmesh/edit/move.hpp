@@ -99,7 +99,9 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
         const double energy = trial_fit.energy(color);
         if (!(energy < center.energy)) break;
-        center = {trial, color, energy};
+        center.position = trial;  // one by one, as a copy of all would wait for these to be stored
+        center.color = color;
+        center.energy = energy;
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;

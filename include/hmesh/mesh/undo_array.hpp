@@ -73,7 +73,12 @@ class UndoArray {
         T old;
         std::uint32_t index;
     };
-    HMESH_NEVER_INLINE void note(std::size_t i) { notes_.push_back({values_[i], static_cast<std::uint32_t>(i)}); }
+    // Written where it stays: a copy of all its bytes would wait for those of the index to be stored.
+    HMESH_NEVER_INLINE void note(std::size_t i) {
+        Note& to = notes_.push_raw();
+        to.old = values_[i];
+        to.index = static_cast<std::uint32_t>(i);
+    }
 
     Array<T> values_;
     Array<Note> notes_;
