@@ -44,6 +44,23 @@ double psnr_of(Mesh mesh, const hmesh::Image<std::uint8_t, 3>& image) {
     return hmesh::psnr(image.view(), hmesh::to_pixels<std::uint8_t>(drawn.image).view());
 }
 
+// A mesh of random points, flipped here and there, after so many rounds on the lattice of `cell` px of a width x height image.
+Mesh settled_slivers(int width, int height, double cell, std::size_t points, std::size_t flips, std::uint64_t seed, int rounds) {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(width, height, seed);
+    const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, width, height});
+    const CompactLattice lattice = hmesh::detail::find_lattice(width, height, width, height, cell, false);
+    hmesh_test::MeshKind kind;
+    kind.width = lattice.x.pixels;
+    kind.height = lattice.y.pixels;
+    kind.points = points;
+    kind.flips = flips;
+    LatticeMesh<3> moved(table, lattice, 1);
+    REQUIRE(moved.settle(hmesh_test::random_mesh(kind, seed), rounds, [](double) { return true; }));
+    Mesh mesh = moved.mesh();
+    CHECK(hmesh_test::flaw_of(mesh.view(), width, height).empty());
+    return mesh;
+}
+
 }  // namespace
 
 TEST_CASE("a mesh goes to the sites of a lattice, wherever it comes from, and is the better the longer it stays") {
@@ -82,34 +99,12 @@ TEST_CASE("a mesh goes to the sites of a lattice, wherever it comes from, and is
 TEST_CASE("slivers that rounding turns over come to the lattice too, and no edge is flipped onto another") {
     for (const std::uint64_t seed : {15U, 26U, 42U, 56U}) {  // those of the first 60 where such a flip is tried
         CAPTURE(seed);
-        const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 26, seed);
-        const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 40, 26});
-        const CompactLattice lattice = hmesh::detail::find_lattice(40, 26, 40, 26, 5, false);
-        hmesh_test::MeshKind kind;
-        kind.width = lattice.x.pixels;
-        kind.height = lattice.y.pixels;
-        kind.points = 150;
-        kind.flips = 600;
-        LatticeMesh<3> moved(table, lattice, 1);
-        REQUIRE(moved.settle(hmesh_test::random_mesh(kind, seed), 2, [](double) { return true; }));
-        CHECK(hmesh_test::flaw_of(moved.mesh().view(), 40, 26).empty());
+        (void)settled_slivers(40, 26, 5, 150, 600, seed, 2);
     }
 }
 
 TEST_CASE("where slivers lie so close that none can be removed, a neighbour is") {
-    const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 80, 15);
-    const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 120, 80});
-    const CompactLattice lattice = hmesh::detail::find_lattice(120, 80, 120, 80, 1, false);
-    hmesh_test::MeshKind kind;
-    kind.width = lattice.x.pixels;
-    kind.height = lattice.y.pixels;
-    kind.points = 3200;
-    kind.flips = 32000;
-    LatticeMesh<3> moved(table, lattice, 1);
-    REQUIRE(moved.settle(hmesh_test::random_mesh(kind, 15), 0, [](double) { return true; }));
-    const Mesh mesh = moved.mesh();
-    CHECK(mesh.vertex_count() > 2000);
-    CHECK(hmesh_test::flaw_of(mesh.view(), 120, 80).empty());
+    CHECK(settled_slivers(120, 80, 1, 3200, 32000, 15, 0).vertex_count() > 2000);
 }
 
 TEST_CASE("who says stop is heard between two rounds") {

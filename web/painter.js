@@ -109,8 +109,9 @@ export function createPainter(canvas, redraw) {
     const atOnce = Math.max(1, Math.floor(BAND / (4 * columns)));
     for (let row = 0; row < rows; row += atOnce) {
       const count = Math.min(atOnce, rows - row);
-      let band = pixels.slice(row * width, (row + count) * width); // WebGL takes none that is shared
-      if (step > 1) {
+      let band;
+      if (step === 1) band = pixels.slice(row * width, (row + count) * width); // WebGL takes none that is shared
+      else {
         band = new Uint32Array(count * columns);
         for (let i = 0, y = row; y < row + count; y++)
           for (let x = 0; x < columns; x++) band[i++] = pixels[y * step * width + x * step];

@@ -314,10 +314,10 @@ template <class T, int C>
         const auto look = [&](double share) {
             CompactGuess next{0, lattice_of(share), 0, 0};
             if (!found.empty() && next.lattice == found.back().lattice) return 0.0;
+            const std::int64_t likely = found.empty() ? expected : found.back().n;
             // Of some numbers of vertices, few, there is no mesh on a lattice.
-            const std::int64_t near = found.empty() ? expected : found.back().n;
             for (int percent = 100; percent > 90 && next.color_step == 0 && out.status; percent -= 3) {
-                next.n = std::max<std::int64_t>(4, near * percent / 100);
+                next.n = std::max<std::int64_t>(4, likely * percent / 100);
                 next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
                                    .guess(next.n, next.color_step, quick, out.status);
             }
