@@ -160,12 +160,7 @@ void print_sizes(const hmesh::Mesh& mesh) {
             options.glb = form;
             options.glb_color_bits = bits;
             Bytes bytes;
-            const auto keep = [&](const void* from, std::size_t size) {
-                const auto* first = static_cast<const std::uint8_t*>(from);
-                bytes.insert(bytes.end(), first, first + size);
-                return true;
-            };
-            if (!tool::write_glb_levels({mesh.view()}, options, keep)) return;
+            if (!tool::write_glb_levels({mesh.view()}, options, hmesh::kit::append_to(bytes))) return;
             print_size(mesh, name, bits, bytes);
         }
 }

@@ -164,12 +164,7 @@ TEST_CASE("random meshes come back as they were, or are refused before a byte is
         options.colors = std::vector{CompactColors::bits8, CompactColors::bits16, CompactColors::floats}[random.below(3)];
         if (random.below(4) == 0) options.table = &hmesh::compact_photographs;
         Bytes bytes;
-        const auto sink = [&](const void* from, std::size_t size) {
-            const auto* const begin = static_cast<const unsigned char*>(from);
-            bytes.insert(bytes.end(), begin, begin + size);
-            return true;
-        };
-        if (const hmesh::Status status = write_compact(mesh.view(), sink, options); !status) {
+        if (const hmesh::Status status = write_compact(mesh.view(), hmesh::kit::append_to(bytes), options); !status) {
             CHECK(status.code == Errc::invalid_argument);
             CHECK(bytes.empty());
             ++refused;

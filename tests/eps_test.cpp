@@ -17,7 +17,7 @@ const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return 
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::PageOptions& options = {}) {
     std::string text;
-    REQUIRE(hmesh::write_eps(mesh, StringSink{&text}, options));
+    REQUIRE(hmesh::write_eps(mesh, hmesh::kit::append_to(text), options));
     return text;
 }
 
@@ -131,7 +131,7 @@ TEST_CASE("all is printable ASCII in lines of at most 255 characters, and no lin
     CHECK(file.substr(start, file.find("~>") - start).find("\n%") == std::string::npos);
     // The data is made so that lines would begin with a comment.
     std::string text;
-    StringSink sink{&text};
+    const auto sink = hmesh::kit::append_to(text);
     hmesh::detail::Writer writer(sink);
     hmesh::detail::write_ascii85(writer, Bytes(1000, 13));  // 0x0d0d0d0d begins with the digit %
     REQUIRE(writer.finish());
@@ -144,7 +144,7 @@ TEST_CASE("data of every length is encoded and decoded") {
     for (std::size_t size = 1; size < 200; ++size) {
         std::string bytes, text;
         for (std::size_t i = 0; i < size; ++i) bytes += static_cast<char>(i % 7 < 4 ? 0 : 37 * i);
-        StringSink sink{&text};
+        const auto sink = hmesh::kit::append_to(text);
         hmesh::detail::Writer writer(sink);
         hmesh::detail::write_ascii85(writer, Bytes(bytes.begin(), bytes.end()));
         REQUIRE(writer.finish());
@@ -179,7 +179,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     for (const hmesh::Deflate bad : {fail_to_compress, compress_to_nothing}) {
         options.deflate = bad;
         std::string text;
-        const hmesh::Status status = hmesh::write_eps(mesh.view(), StringSink{&text}, options);
+        const hmesh::Status status = hmesh::write_eps(mesh.view(), hmesh::kit::append_to(text), options);
         CHECK(status.code == hmesh::Errc::write_failed);
         CHECK(status.value == 0);
         CHECK(text.empty());

@@ -41,7 +41,7 @@ TEST_CASE("several meshes, primitives and materials are one file, whose arrays b
     const auto fill = [&](hmesh::detail::Writer& writer, std::size_t i) {
         for (std::uint64_t k = 0; k < file.arrays[i].bytes(); ++k) writer.u8(static_cast<std::uint8_t>(i + 1));
     };
-    REQUIRE(write_glb_file(file, hmesh_test::VectorSink{&bytes}, fill));
+    REQUIRE(write_glb_file(file, hmesh::kit::append_to(bytes), fill));
     REQUIRE(bytes.size() == file.file_bytes());
     const std::string text = hmesh_test::as_text(bytes);
     for (const char* part :

@@ -46,13 +46,13 @@ Chunks chunks_of(const Bytes& bytes) {
 
 Chunks written(const Levels& levels, const GltfOptions& options = {}) {
     Bytes bytes;
-    const hmesh_test::VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     REQUIRE(hmesh::write_glb_lods(levels, sink, options));
     return chunks_of(bytes);
 }
 Chunks written_alone(const MeshView& mesh, const GltfOptions& options = {}) {
     Bytes bytes;
-    const hmesh_test::VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     REQUIRE(hmesh::write_glb(mesh, sink, options));
     return chunks_of(bytes);
 }
@@ -75,7 +75,7 @@ Mesh grid(int cells) {
 
 void check_refused(const Levels& levels, const char* words, const GltfOptions& options = {}) {
     Bytes bytes;
-    const hmesh_test::VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     const hmesh::Status status = hmesh::write_glb_lods(levels, sink, options);
     CHECK(!status);
     CHECK(std::string(status.what).find(words) != std::string::npos);
@@ -131,14 +131,8 @@ TEST_CASE("one level of nothing is the empty scene that write_glb() writes") {
     Mesh none = grid(4);
     none.positions.clear(), none.colors.clear(), none.faces.clear();
     std::string file, alone;
-    const auto into = [](std::string& to) {
-        return [&to](const void* bytes, std::size_t count) {
-            to.append(static_cast<const char*>(bytes), count);
-            return true;
-        };
-    };
-    CHECK(hmesh::write_glb_lods({none.view()}, into(file)));
-    CHECK(hmesh::write_glb(none.view(), into(alone)));
+    CHECK(hmesh::write_glb_lods({none.view()}, hmesh::kit::append_to(file)));
+    CHECK(hmesh::write_glb(none.view(), hmesh::kit::append_to(alone)));
     CHECK(!file.empty());
     CHECK(file == alone);
 }
@@ -158,7 +152,7 @@ TEST_CASE("a level in parts is one mesh of several primitives, whose positions l
     GltfOptions options;
     options.quantized_positions = true;
     Bytes bytes;
-    const hmesh_test::VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     REQUIRE(hmesh::write_glb_parts({{left.view(), right.view()}, {coarse.view()}}, sink, options));
     const Chunks file = chunks_of(bytes);
     CHECK(count(file.json,

@@ -177,11 +177,11 @@ TEST_CASE("a draped image is named: as a URI, as MeshLab's comment, by the mater
           std::string::npos);
     options.drape = hmesh::Drape::none;
     Bytes bytes;
-    CHECK(hmesh::write_height_glb(land.mesh.view(), {}, hmesh_test::VectorSink{&bytes}, options).code ==
+    CHECK(hmesh::write_height_glb(land.mesh.view(), {}, hmesh::kit::append_to(bytes), options).code ==
           hmesh::Errc::invalid_argument);
     options.drape = hmesh::Drape::mesh;
     options.texture = "a\nb";
-    CHECK(hmesh::write_height_ply(land.mesh.view(), {}, hmesh_test::VectorSink{&bytes}, options).code ==
+    CHECK(hmesh::write_height_ply(land.mesh.view(), {}, hmesh::kit::append_to(bytes), options).code ==
           hmesh::Errc::invalid_argument);
     CHECK(bytes.empty());
 }
@@ -212,7 +212,7 @@ TEST_CASE("a skirt is a second primitive of a .glb, and leaves the first and oth
         options.skirt = bad;
         options.z.offset = -3e38;
         std::vector<unsigned char> none;
-        CHECK(!hmesh::write_height_glb(land.mesh.view(), {}, hmesh_test::VectorSink{&none}, options));
+        CHECK(!hmesh::write_height_glb(land.mesh.view(), {}, hmesh::kit::append_to(none), options));
         CHECK(none.empty());
     }
 }

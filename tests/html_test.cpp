@@ -16,13 +16,12 @@
 namespace {
 
 using hmesh::HtmlOptions;
-using hmesh_test::StringSink;
 using hmesh_test::two_faces;
 using Bytes = std::vector<unsigned char>;
 
 std::string written(const hmesh::MeshView& mesh, const HtmlOptions& options = {}) {
     std::string text;
-    REQUIRE(hmesh::write_html(mesh, StringSink{&text}, options));
+    REQUIRE(hmesh::write_html(mesh, hmesh::kit::append_to(text), options));
     return text;
 }
 
@@ -97,7 +96,7 @@ void check_round_trip(const hmesh::Mesh& mesh) {
 
 void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, const HtmlOptions& options = {}) {
     std::string text;
-    const hmesh::Status status = hmesh::write_html(mesh, StringSink{&text}, options);
+    const hmesh::Status status = hmesh::write_html(mesh, hmesh::kit::append_to(text), options);
     CHECK(status.code == code);
     CHECK(std::strlen(status.what) > 0);
     CHECK(text.empty());

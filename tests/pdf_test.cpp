@@ -21,7 +21,7 @@ const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return 
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::PageOptions& options = {}) {
     std::string text;
-    REQUIRE(hmesh::write_pdf(mesh, StringSink{&text}, options));
+    REQUIRE(hmesh::write_pdf(mesh, hmesh::kit::append_to(text), options));
     return text;
 }
 
@@ -318,7 +318,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
         options.deflate = bad;
         std::string text;
         for (const hmesh::MeshView& view : {mesh.view(), opaque.view()}) {
-            const hmesh::Status status = hmesh::write_pdf(view, StringSink{&text}, options);
+            const hmesh::Status status = hmesh::write_pdf(view, hmesh::kit::append_to(text), options);
             CHECK(status.code == hmesh::Errc::write_failed);
             CHECK(status.value == 0);
             CHECK(text.empty());

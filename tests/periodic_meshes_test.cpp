@@ -328,11 +328,7 @@ TEST_CASE("pictures of periodic meshes have the copies that cover the image, mod
     using Bytes = std::vector<unsigned char>;
     const auto bytes_of = [](auto&& write) {
         Bytes bytes;
-        const auto sink = [&](const void* from, std::size_t size) {
-            const auto* at = static_cast<const unsigned char*>(from);
-            bytes.insert(bytes.end(), at, at + size);
-            return true;
-        };
+        const auto sink = hmesh::kit::append_to(bytes);
         CHECK(write(hmesh::Sink(sink)));
         return bytes;
     };

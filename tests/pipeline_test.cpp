@@ -99,11 +99,7 @@ TEST_CASE("a mesh goes into a PLY file as it is") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 36, 1);
     const auto result = mesh_of(image, 60, Effort::normal);
     std::string file;
-    const auto sink = [&file](const void* bytes, std::size_t size) {
-        file.append(static_cast<const char*>(bytes), size);
-        return true;
-    };
-    REQUIRE(hmesh::write_ply(result.mesh.view(), sink));
+    REQUIRE(hmesh::write_ply(result.mesh.view(), hmesh::kit::append_to(file)));
     const std::string end = "end_header\n";
     const std::size_t body = file.find(end) + end.size();
     REQUIRE(body > end.size());

@@ -476,7 +476,7 @@ TEST_CASE("what cannot be an image of points is refused with a sentence") {
     CHECK(check(mesh.view(), 16));
     mesh.width = 1;
     std::string text;
-    const hmesh_test::StringSink sink{&text};
+    const auto sink = hmesh::kit::append_to(text);
     CHECK_FALSE(hmesh::write_svg(mesh.view(), sink));
     CHECK(text.empty());
 }

@@ -161,6 +161,18 @@ TEST_CASE("a sink is what returns a bool: one that returns a count or nothing do
     CHECK(!std::is_convertible_v<MuteSink&, hmesh::Sink>);
 }
 
+TEST_CASE("append_to() appends all bytes to a string or a vector, behind those it holds") {
+    std::string text = "a";
+    std::vector<unsigned char> bytes{7};
+    const auto to_text = hmesh::kit::append_to(text);
+    const auto to_bytes = hmesh::kit::append_to(bytes);
+    const std::string sent("b\0c", 3);
+    for (const hmesh::Sink sink : {hmesh::Sink(to_text), hmesh::Sink(to_bytes)})
+        for (int call = 0; call < 2; ++call) CHECK(sink(sent.data(), sent.size()));
+    CHECK(text == "a" + sent + sent);
+    CHECK(bytes == std::vector<unsigned char>{7, 'b', 0, 'c', 'b', 0, 'c'});
+}
+
 TEST_CASE("the writer says where the next byte stands in the file, whatever the sink took") {
     for (const std::size_t limit : {0U, 4096U, 100000U}) {
         LimitedSink sink;

@@ -21,7 +21,6 @@ namespace {
 
 using hmesh::SvgKind;
 using hmesh::SvgOptions;
-using hmesh_test::StringSink;
 using hmesh_test::two_faces;
 
 SvgOptions of_kind(SvgKind kind) {
@@ -32,7 +31,7 @@ SvgOptions of_kind(SvgKind kind) {
 
 std::string written(const hmesh::MeshView& mesh, const SvgOptions& options) {
     std::string text;
-    REQUIRE(hmesh::write_svg(mesh, StringSink{&text}, options));
+    REQUIRE(hmesh::write_svg(mesh, hmesh::kit::append_to(text), options));
     return text;
 }
 
@@ -234,7 +233,7 @@ double least_error(const Face& face, double dx, double dy) {
 void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code) {
     for (const SvgKind kind : kinds) {
         std::string text;
-        const hmesh::Status status = hmesh::write_svg(mesh, StringSink{&text}, of_kind(kind));
+        const hmesh::Status status = hmesh::write_svg(mesh, hmesh::kit::append_to(text), of_kind(kind));
         CHECK(status.code == code);
         CHECK(std::strlen(status.what) > 0);
         CHECK(text.empty());
@@ -497,7 +496,7 @@ TEST_CASE("a kind that is none of those known is refused") {
     for (const int bad : {3, 255}) {
         std::string text;
         const hmesh::Status status =
-            hmesh::write_svg(two_faces(3, 30).view(), StringSink{&text}, of_kind(static_cast<SvgKind>(bad)));
+            hmesh::write_svg(two_faces(3, 30).view(), hmesh::kit::append_to(text), of_kind(static_cast<SvgKind>(bad)));
         CHECK(status.code == hmesh::Errc::invalid_argument);
         CHECK(status.value == bad);
         CHECK(text.empty());

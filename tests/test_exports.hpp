@@ -21,29 +21,12 @@ namespace hmesh_test {
 
 using Bytes = std::vector<unsigned char>;
 
-struct VectorSink {
-    Bytes* bytes;
-    bool operator()(const void* from, std::size_t size) const {
-        const auto* at = static_cast<const unsigned char*>(from);
-        bytes->insert(bytes->end(), at, at + size);
-        return true;
-    }
-};
-
-struct StringSink {
-    std::string* text;
-    bool operator()(const void* from, std::size_t size) const {
-        text->append(static_cast<const char*>(from), size);
-        return true;
-    }
-};
-
 // An exporter with its options.
 using Write = hmesh::FunctionRef<hmesh::Status(const hmesh::MeshView& mesh, hmesh::Sink sink)>;
 
 inline Bytes exported(const hmesh::MeshView& mesh, Write write) {
     Bytes bytes;
-    const VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     REQUIRE(write(mesh, sink));
     return bytes;
 }
@@ -84,7 +67,7 @@ inline hmesh::Mesh square_grid(int columns, int rows) {
 
 inline void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code, Write write) {
     Bytes bytes;
-    const hmesh::Status status = write(mesh, VectorSink{&bytes});
+    const hmesh::Status status = write(mesh, hmesh::kit::append_to(bytes));
     CHECK(status.code == code);
     CHECK(std::strlen(status.what) > 0);
     CHECK(bytes.empty());

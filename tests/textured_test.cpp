@@ -53,7 +53,7 @@ TEST_CASE("an OBJ has positions and coordinates y up, by one index, and names it
     };
     CHECK(hmesh_test::as_text(hmesh_test::exported(hmesh_test::two_faces(1).view(), bare)).find("mtl") == std::string::npos);
     std::string material;
-    CHECK(hmesh::write_material("icon.png", hmesh_test::StringSink{&material}));
+    CHECK(hmesh::write_material("icon.png", hmesh::kit::append_to(material)));
     CHECK(material.find("newmtl image\n") != std::string::npos);
     CHECK(material.find("map_Kd -clamp on icon.png\n") != std::string::npos);
 }
@@ -133,7 +133,7 @@ TEST_CASE("meshes and names that files cannot hold give a Status and no byte, an
     }
     const hmesh::Mesh mesh = hmesh_test::two_faces(1);
     Bytes bytes;
-    const hmesh_test::VectorSink sink{&bytes};
+    const auto sink = hmesh::kit::append_to(bytes);
     for (const char* bad : {"", "a\nb", "\x01"}) {
         CHECK(hmesh::write_textured_ply(mesh.view(), bad, sink).code == hmesh::Errc::invalid_argument);
         CHECK(hmesh::write_textured_glb(mesh.view(), bad, sink).code == hmesh::Errc::invalid_argument);

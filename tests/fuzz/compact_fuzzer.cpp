@@ -49,13 +49,7 @@ void check_mesh(const hmesh::Mesh& mesh) {
 
 std::string written(const hmesh::MeshView& mesh, const hmesh::CompactOptions& options, hmesh::Status& status) {
     std::string file;
-    status = hmesh::write_compact(
-        mesh,
-        [&](const void* bytes, std::size_t size) {
-            file.append(static_cast<const char*>(bytes), size);
-            return true;
-        },
-        options);
+    status = hmesh::write_compact(mesh, hmesh::kit::append_to(file), options);
     return file;
 }
 

@@ -12,11 +12,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
                           const Tile& tile, const Window& window, const hmesh::MeshView& mesh,
                           std::vector<unsigned char>& bytes) {
     bytes.clear();
-    const auto sink = [&](const void* from, std::size_t size) {
-        const auto* const first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
+    const auto sink = hmesh::kit::append_to(bytes);
     const hmesh::HeightSamples samples(window.around(), {}, window.left, window.top);
     hmesh::HeightOptions options;
     options.z = {0, frame.z_scale, frame.z_offset};

@@ -26,6 +26,23 @@ namespace hmesh {
 /// returns; the bytes may be read until the sink does. What returns another type than bool, as fwrite() does, does not compile.
 using Sink = FunctionRef<bool(const void* bytes, std::size_t size)>;
 
+namespace kit {
+
+/// What a sink may refer to that appends all it is given to `bytes`, a std::string or a vector of bytes, which must outlive it:
+/// write_ply(mesh, append_to(bytes)).
+template <class Bytes>
+[[nodiscard]] auto append_to(Bytes& bytes) noexcept {
+    using Byte = typename Bytes::value_type;
+    static_assert(sizeof(Byte) == 1, "bytes are appended to a container of bytes");
+    return [&bytes](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const Byte*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+}
+
+}  // namespace kit
+
 namespace detail {
 
 /// Puts bytes, numbers and words into a sink, 4 KiB at a time. After the sink's first refusal everything is dropped.

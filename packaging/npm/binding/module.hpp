@@ -63,13 +63,7 @@ struct Module {
         return mesh.view();
     }
     // Appends what is written to `bytes`.
-    [[nodiscard]] auto sink() noexcept {
-        return [this](const void* from, std::size_t size) {
-            const auto* const begin = static_cast<const std::uint8_t*>(from);
-            bytes.insert(bytes.end(), begin, begin + size);
-            return true;
-        };
-    }
+    [[nodiscard]] auto sink() noexcept { return hmesh::kit::append_to(bytes); }
     const Answer* reply(const hmesh::Status& status) {
         message_ = hmesh::message(status);
         const auto word = [](auto number) { return static_cast<std::uint32_t>(number); };

@@ -356,10 +356,7 @@ py::array render(const py::dict& from, std::optional<int> width, std::optional<i
 py::bytes write(const py::dict& from, const std::string& format, const py::dict& with) {
     const HeldMesh mesh(from);
     std::string bytes;
-    const auto put = [&](const void* at, std::size_t size) {
-        bytes.append(static_cast<const char*>(at), size);
-        return true;
-    };
+    const auto put = hmesh::kit::append_to(bytes);
     const hmesh::Sink sink(put);
     const auto run = [&](auto&& body) {
         const py::gil_scoped_release free;

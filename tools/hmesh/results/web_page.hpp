@@ -67,13 +67,8 @@ namespace detail {
         page.original_type = "image/jpeg";
         return page;
     }
-    const auto keep = [&](const void* from, std::size_t size) {
-        const auto* first = static_cast<const unsigned char*>(from);
-        page.original.insert(page.original.end(), first, first + size);
-        return true;
-    };
     page.original_orientation = 1;
-    if (!write_png(to_picture(image), keep)) page.original.clear();
+    if (!write_png(to_picture(image), hmesh::kit::append_to(page.original))) page.original.clear();
     return page;
 }
 

@@ -85,11 +85,7 @@ hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending,
 hmesh::Status write_mesh(const hmesh::MeshView& mesh, const std::string& ending, const FormatOptions& options,
                          std::vector<unsigned char>& bytes) {
     bytes.clear();
-    const auto sink = [&](const void* from, std::size_t size) {
-        const auto* const first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
+    const auto sink = hmesh::kit::append_to(bytes);
     return write_mesh(mesh, ending, options, hmesh::Sink(sink));
 }
 

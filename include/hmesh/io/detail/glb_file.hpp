@@ -408,11 +408,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 /// Makes all arrays and compresses them, view by view. Errc::write_failed where that fails.
 [[nodiscard]] HMESH_COLD inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
     std::vector<unsigned char> bytes, woven;
-    const auto keep = [&](const void* from, std::size_t size) {
-        const auto* first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
+    const auto keep = kit::append_to(bytes);
     for (const GlbView& view : file.views(true)) {
         const GlbArray& head = file.arrays[view.first];
         const auto count = static_cast<std::size_t>(head.count), stride = static_cast<std::size_t>(view.stride);
