@@ -2019,6 +2019,23 @@ namespace hmesh {
 /// returns; the bytes may be read until the sink does. What returns another type than bool, as fwrite() does, does not compile.
 using Sink = FunctionRef<bool(const void* bytes, std::size_t size)>;
 
+namespace kit {
+
+/// What a sink may refer to that appends all it is given to `bytes`, a std::string or a vector of bytes, which must outlive it:
+/// write_ply(mesh, append_to(bytes)).
+template <class Bytes>
+[[nodiscard]] auto append_to(Bytes& bytes) noexcept {
+    using Byte = typename Bytes::value_type;
+    static_assert(sizeof(Byte) == 1, "bytes are appended to a container of bytes");
+    return [&bytes](const void* from, std::size_t size) {
+        const auto* const first = static_cast<const Byte*>(from);
+        bytes.insert(bytes.end(), first, first + size);
+        return true;
+    };
+}
+
+}  // namespace kit
+
 namespace detail {
 
 /// Puts bytes, numbers and words into a sink, 4 KiB at a time. After the sink's first refusal everything is dropped.
@@ -3073,11 +3090,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
 /// Makes all arrays and compresses them, view by view. Errc::write_failed where that fails.
 [[nodiscard]] HMESH_COLD inline Status compress_arrays(GlbFile& file, FillGlbArray fill, GltfCompress compress) {
     std::vector<unsigned char> bytes, woven;
-    const auto keep = [&](const void* from, std::size_t size) {
-        const auto* first = static_cast<const unsigned char*>(from);
-        bytes.insert(bytes.end(), first, first + size);
-        return true;
-    };
+    const auto keep = kit::append_to(bytes);
     for (const GlbView& view : file.views(true)) {
         const GlbArray& head = file.arrays[view.first];
         const auto count = static_cast<std::size_t>(head.count), stride = static_cast<std::size_t>(view.stride);
@@ -6788,12 +6801,12 @@ struct AnnealingOptions {
     /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
     double removal_screen = 3;
     /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
-    double insertion_screen = 0.25;
+    double insertion_screen = 0.28;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 1 the mesh grows to 1.3 times the target, which lets
-    /// the sweeps after it choose among more vertices; at 2 it stays about as it is.
-    double start_price = 1;
+    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 0.9 the mesh grows to 1.4 times the target, which
+    /// lets the sweeps after it choose among more vertices; at 2 it stays about as it is.
+    double start_price = 0.9;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
     double count_tolerance = 0.5;
@@ -6804,7 +6817,7 @@ struct AnnealedSteps {
     double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
     int settle_rounds = 1;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
-    int polish_rounds = 1;         ///< flips and a sweep at the end, in [0, 1000]
+    int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
     /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
     /// wait, since the collapse changes the surroundings anyway.
     double settle_flip_gain = 3e-2;
@@ -6824,7 +6837,6 @@ struct AnnealedSteps {
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.relaxation.min_gain = 3e-2;
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 0;
             break;
         case Effort::fast:
@@ -6832,18 +6844,17 @@ struct AnnealedSteps {
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1.2;
-            steps.annealing.insertion_screen = 0.45;
-            steps.annealing.temperature = 0.1;  // two sweeps have no time to cool down
+            steps.annealing.start_price = 1;
+            steps.annealing.insertion_screen = 0.3;
+            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 50;
+            steps.annealing.insertion_screen = 0.25;
             steps.annealing.jump = 0.1;
             break;
         case Effort::best:
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 1000;
             steps.annealing.cooling = 2;
             steps.annealing.try_probability = 0.3;
@@ -10463,6 +10474,7 @@ void ImageMesh<C>::collapse(Halfedge h) {
 #define HMESH_EDIT_MOVE_HPP
 
 #include <cmath>
+#include <limits>
 
 namespace hmesh::kit {
 
@@ -10508,11 +10520,11 @@ enum class RingOutcome {
 
 /// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
 /// energy of the ring; scratch.spokes must fit the position on entry. On return scratch.trial_spokes and scratch.trial_faces fit
-/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move` and its predicted
-/// decrease of the energy is above `min_gain`. The mesh itself stays as it is.
+/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move`, its predicted decrease
+/// of the energy is above `min_gain`, and 1.3 times as much would bring the energy below `bound`. The mesh itself stays as it is.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
-                            RingCenter<C>& center) {
+                            RingCenter<C>& center, double bound = std::numeric_limits<double>::max()) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
     if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit))
@@ -10527,7 +10539,7 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     if (!may_move || mobility == Mobility::corner) return RingOutcome::recolored;
 
     const RingStep step = gauss_newton_step(scratch.ring, scratch.faces, fit, center.color, mobility);
-    if (!(step.predicted > min_gain)) return RingOutcome::recolored;
+    if (!(step.predicted > min_gain) || !(center.energy - 1.3 * step.predicted < bound)) return RingOutcome::recolored;
     double dx = step.dx, dy = step.dy;
     const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(scratch.ring, center.position);
     if (length > cap) {
@@ -10762,19 +10774,25 @@ namespace detail {
 /// Completes a candidate: position, colour, gain. `scratch` holds the ring and the spokes of candidate.center, `before` is the
 /// energy of the faces that would be split.
 template <int C>
-void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double before,
-                     InsertionCandidate<C>& candidate) {
-    if (optimize_center(mesh, scratch, mobility, 0, may_move, candidate.center) == RingOutcome::degenerate) return;
+void judge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, bool may_move, double wanted,
+                     double before, InsertionCandidate<C>& candidate) {
+    if (optimize_center(mesh, scratch, mobility, 0, may_move, candidate.center, before - wanted) == RingOutcome::degenerate)
+        return;
     candidate.gain = before - candidate.center.energy;
     candidate.fits = true;
 }
 
 }  // namespace detail
 
-/// The candidate at the midpoint of e, with its best colour and, where `may_move`, one Gauss-Newton step further. Does not fit
-/// where e is on the rim of a patch. `scratch` is overwritten. About 0.2 us.
+/// A gain that every candidate reaches.
+inline constexpr double any_gain = std::numeric_limits<double>::lowest();
+
+/// The candidate at the midpoint of e, with its best colour and, where `may_move`, one Gauss-Newton step further, unless that is
+/// not expected to bring the gain above `wanted`, an energy. Does not fit where e is on the rim of a patch. `scratch` is
+/// overwritten. About 0.2 us.
 template <int C>
-[[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move) {
+[[nodiscard]] InsertionCandidate<C> edge_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Edge e, bool may_move,
+                                                   double wanted = any_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     InsertionCandidate<C> candidate;
     candidate.edge = e;
@@ -10810,14 +10828,14 @@ template <int C>
         if (i != 2) edge_moments(mesh.table(), center, ring.neighbor[i]->position, scratch.spokes.spoke[i]);
     mesh.moments(a, scratch.spokes.spoke[2]);
     scratch.spokes.spoke[2] += scratch.spokes.spoke[0];
-    detail::judge_candidate(mesh, scratch, mobility, may_move, before, candidate);
+    detail::judge_candidate(mesh, scratch, mobility, may_move, wanted, before, candidate);
     return candidate;
 }
 
-/// The candidate at the centroid of f, with its best colour and, where `may_move`, one Gauss-Newton step further. `scratch` is
-/// overwritten. About 0.2 us.
+/// The candidate at the centroid of f; otherwise as edge_candidate().
 template <int C>
-[[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move) {
+[[nodiscard]] InsertionCandidate<C> face_candidate(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Face f, bool may_move,
+                                                   double wanted = any_gain) {
     const HalfedgeMesh& topology = mesh.topology();
     InsertionCandidate<C> candidate;
     candidate.face = f;
@@ -10837,7 +10855,7 @@ template <int C>
     candidate.center.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.center.position, mesh.limits().min_double_area)) return candidate;
     walk_spokes(mesh.table(), ring, candidate.center.position, scratch.spokes);
-    detail::judge_candidate(mesh, scratch, Mobility::free, may_move, mesh.energy(f), candidate);
+    detail::judge_candidate(mesh, scratch, Mobility::free, may_move, wanted, mesh.energy(f), candidate);
     return candidate;
 }
 
@@ -10886,9 +10904,9 @@ class InsertionSite {
 /// The candidate at a site: edge_candidate() or face_candidate(). `scratch` is overwritten.
 template <int C>
 [[nodiscard]] InsertionCandidate<C> candidate_at(const ImageMesh<C>& mesh, RingScratch<C>& scratch, InsertionSite site,
-                                                 bool may_move) {
-    return site.is_edge() ? edge_candidate(mesh, scratch, site.edge(), may_move)
-                          : face_candidate(mesh, scratch, site.face(), may_move);
+                                                 bool may_move, double wanted = any_gain) {
+    return site.is_edge() ? edge_candidate(mesh, scratch, site.edge(), may_move, wanted)
+                          : face_candidate(mesh, scratch, site.face(), may_move, wanted);
 }
 
 /// An upper bound on the gain of a vertex at the site: the energy of the one or two faces that it splits.
@@ -11867,7 +11885,7 @@ class AnnealingSweep {
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost,
                              FunctionRef<void(double allowed)> round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.25 * price_;
+        const double min_round_gain = 6e-2 * mesh_->mean_energy(), hopeless = allowed + 0.25 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
             round(allowed);
@@ -11917,7 +11935,7 @@ class AnnealingSweep {
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
             if (!(max_gain(*mesh_, site) > min_gain)) continue;
-            const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
+            const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true, min_gain);
             if (!candidate.fits || !(candidate.gain > min_gain) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();

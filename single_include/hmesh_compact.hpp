@@ -3520,12 +3520,7 @@ class CompactSearch {
         options.table = options_->table;
         options.lattice = static_cast<std::uint32_t>(options_->bare ? 256 : lattice_.x.step);
         std::vector<std::uint8_t> file;
-        const auto sink = [&](const void* from, std::size_t size) {
-            const auto* const begin = static_cast<const std::uint8_t*>(from);
-            file.insert(file.end(), begin, begin + size);
-            return true;
-        };
-        if (!write_compact(mesh_.view(), sink, options)) file.clear();
+        if (!write_compact(mesh_.view(), kit::append_to(file), options)) file.clear();
         return file;
     }
 

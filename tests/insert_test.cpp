@@ -223,6 +223,34 @@ TEST_CASE("each edge and each face is a site once, and no site gains more than i
     }
 }
 
+TEST_CASE("a step is left out only where it is not expected to bring the gain that is wanted") {
+    Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(96, 80, 7), hmesh_test::jittered_grid(96, 80, 9, 7, 7));
+    hmesh_test::wear(subject.mesh, 200, 3, 7);
+    hmesh::kit::RingScratch<3> work;
+    const auto is_same = [](const InsertionCandidate<3>& one, const InsertionCandidate<3>& other) {
+        return one.fits == other.fits && one.gain == other.gain && one.center.position == other.center.position;
+    };
+    const double wanted = 2 * subject.mesh.mean_energy();
+    int steps = 0, steps_left_out = 0, reach = 0, missed = 0;
+    for (const InsertionSite site : hmesh::kit::insertion_sites(subject.mesh, true)) {
+        const auto with = hmesh::kit::candidate_at(subject.mesh, work, site, true);
+        const auto without = hmesh::kit::candidate_at(subject.mesh, work, site, false);
+        CHECK(is_same(hmesh::kit::candidate_at(subject.mesh, work, site, true, hmesh::kit::any_gain), with));
+        CHECK(is_same(hmesh::kit::candidate_at(subject.mesh, work, site, true, 1e300), without));
+        const auto got = hmesh::kit::candidate_at(subject.mesh, work, site, true, wanted);
+        CHECK((is_same(got, with) || is_same(got, without)));
+        if (without.gain > wanted) CHECK(is_same(got, with));
+        steps += is_same(with, without) ? 0 : 1;
+        steps_left_out += is_same(got, with) ? 0 : 1;
+        reach += with.gain > wanted ? 1 : 0;
+        missed += with.gain > wanted && !(got.gain > wanted) ? 1 : 0;
+    }
+    MESSAGE(steps, " steps, ", steps_left_out, " left out; ", reach, " reach what is wanted, ", missed, " of them missed");
+    CHECK(steps_left_out > steps / 4);
+    CHECK(reach > 50);
+    CHECK(missed <= reach / 20);
+}
+
 TEST_CASE("nothing is inserted where nothing is gained or asked for") {
     Subject<std::uint8_t, 3> constant(hmesh_test::constant_image<std::uint8_t, 3>(40, 30, 0.4),
                                       hmesh_test::jittered_grid(40, 30, 4, 3, 1));

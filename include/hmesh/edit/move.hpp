@@ -10,6 +10,7 @@
 #define HMESH_EDIT_MOVE_HPP
 
 #include <cmath>
+#include <limits>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/edit/tolerance.hpp"
@@ -61,11 +62,11 @@ enum class RingOutcome {
 
 /// Optimises the centre of scratch.ring. `center` holds position and colour on entry, and on return the best found with the
 /// energy of the ring; scratch.spokes must fit the position on entry. On return scratch.trial_spokes and scratch.trial_faces fit
-/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move` and its predicted
-/// decrease of the energy is above `min_gain`. The mesh itself stays as it is.
+/// it where the centre moved, else scratch.spokes and scratch.faces. No step is tried unless `may_move`, its predicted decrease
+/// of the energy is above `min_gain`, and 1.3 times as much would bring the energy below `bound`. The mesh itself stays as it is.
 template <int C>
 RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, Mobility mobility, double min_gain, bool may_move,
-                            RingCenter<C>& center) {
+                            RingCenter<C>& center, double bound = std::numeric_limits<double>::max()) {
     const MeshLimits& limits = mesh.limits();
     RingFit<C> fit;
     if (!fit_ring(scratch.ring, scratch.spokes, center.position, limits.min_double_area, scratch.faces, fit))
@@ -80,7 +81,7 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
     if (!may_move || mobility == Mobility::corner) return RingOutcome::recolored;
 
     const RingStep step = gauss_newton_step(scratch.ring, scratch.faces, fit, center.color, mobility);
-    if (!(step.predicted > min_gain)) return RingOutcome::recolored;
+    if (!(step.predicted > min_gain) || !(center.energy - 1.3 * step.predicted < bound)) return RingOutcome::recolored;
     double dx = step.dx, dy = step.dy;
     const double length = std::sqrt(dx * dx + dy * dy), cap = detail::step_cap(scratch.ring, center.position);
     if (length > cap) {

@@ -115,7 +115,7 @@ class AnnealingSweep {
     bool accept_or_roll_back(const typename ImageMesh<C>::Mark& mark, double before, double cost,
                              FunctionRef<void(double allowed)> round) {
         const double allowed = before - cost - temperature_ * std::log(random_.uniform());
-        const double min_round_gain = 3e-2 * mesh_->mean_energy(), hopeless = allowed + 0.25 * price_;
+        const double min_round_gain = 6e-2 * mesh_->mean_energy(), hopeless = allowed + 0.25 * price_;
         for (int k = 0; k < 2; ++k) {
             const double start = mesh_->energy();
             round(allowed);
@@ -165,7 +165,7 @@ class AnnealingSweep {
             if (random_.uniform() > options_.try_probability) continue;
             if (site.is_edge() ? topology().is_deleted(site.edge()) : topology().is_deleted(site.face())) continue;
             if (!(max_gain(*mesh_, site) > min_gain)) continue;
-            const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true);
+            const InsertionCandidate<C> candidate = candidate_at(*mesh_, scratch_, site, true, min_gain);
             if (!candidate.fits || !(candidate.gain > min_gain) || !can_gain_edge(*mesh_, candidate)) continue;
             const auto mark = mesh_->begin();
             const double before = mesh_->energy();

@@ -49,12 +49,12 @@ struct AnnealingOptions {
     /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
     double removal_screen = 3;
     /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
-    double insertion_screen = 0.25;
+    double insertion_screen = 0.28;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
     double flip_screen = 3;
-    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 1 the mesh grows to 1.3 times the target, which lets
-    /// the sweeps after it choose among more vertices; at 2 it stays about as it is.
-    double start_price = 1;
+    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 0.9 the mesh grows to 1.4 times the target, which
+    /// lets the sweeps after it choose among more vertices; at 2 it stays about as it is.
+    double start_price = 0.9;
     /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
     /// linearly to 0.
     double count_tolerance = 0.5;
@@ -65,7 +65,7 @@ struct AnnealedSteps {
     double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
     int settle_rounds = 1;         ///< of visits and flips over the first mesh, in [0, 1000]
     double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
-    int polish_rounds = 1;         ///< flips and a sweep at the end, in [0, 1000]
+    int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
     /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
     /// wait, since the collapse changes the surroundings anyway.
     double settle_flip_gain = 3e-2;
@@ -85,7 +85,6 @@ struct AnnealedSteps {
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.relaxation.min_gain = 3e-2;
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 0;
             break;
         case Effort::fast:
@@ -93,18 +92,17 @@ struct AnnealedSteps {
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1.2;
-            steps.annealing.insertion_screen = 0.45;
-            steps.annealing.temperature = 0.1;  // two sweeps have no time to cool down
+            steps.annealing.start_price = 1;
+            steps.annealing.insertion_screen = 0.3;
+            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 50;
+            steps.annealing.insertion_screen = 0.25;
             steps.annealing.jump = 0.1;
             break;
         case Effort::best:
-            steps.polish_rounds = 2;
             steps.annealing.sweeps = 1000;
             steps.annealing.cooling = 2;
             steps.annealing.try_probability = 0.3;
