@@ -88,7 +88,7 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 
 std::vector<double> side_tolerances(double peak) {
     std::vector<double> tolerances;
-    for (int k = 2; k < 11; ++k) tolerances.push_back(peak * std::exp2(-k));
+    for (int k = 4; k < 21; ++k) tolerances.push_back(peak * std::exp2(-0.5 * k));
     return tolerances;
 }
 
@@ -121,7 +121,7 @@ std::string find_shares(const std::vector<Look>& looks, int across, int channels
     double energy = 0;
     for (std::size_t k = 0; k < first.size(); ++k) energy += looks[k].lost + curves[k].energy(static_cast<double>(first[k]));
     std::size_t t = 0;
-    while (t + 1 < tolerances.size() && tolerances[t] > 2 * std::sqrt(energy / samples)) ++t;
+    while (t + 1 < tolerances.size() && tolerances[t] > 1.4 * std::sqrt(energy / samples)) ++t;
     for (look_at_sides(t); t > 0 && 2 * (sum - again) > vertices; look_at_sides(t)) --t;
     if (sum > vertices + again)
         return "the sides of " + std::to_string(looks.size()) + " tiles need " + std::to_string(sum - again) +

@@ -34,12 +34,12 @@ struct Shares {
 };
 
 // The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to a 1024th of it, each
-// half of the one before.
+// 0.7 of the one before.
 [[nodiscard]] std::vector<double> side_tolerances(double peak);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
-// are taken within twice the mean error that such meshes have, and so they err no more than the rest (docs/jobs.md has the
-// figures), or less closely where they would need more than half of the vertices. Returns "" or what is wrong, a sentence.
+// are taken within 1.4 times the mean error that such meshes have, so that they err little more than the rest (docs/jobs.md has
+// the figures), or less closely where they would need more than half of the vertices. Returns "" or what is wrong, a sentence.
 [[nodiscard]] std::string find_shares(const std::vector<Look>& looks, int across, int channels, std::size_t vertices,
                                       const std::vector<double>& tolerances, Shares& shares);
 
