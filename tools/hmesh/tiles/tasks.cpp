@@ -118,25 +118,29 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
 
 std::string TileWorker::share(int number, Json& facts) {
     const TileLevel& level = plan_.level(number);
+    ImageFile like;
+    like.bits = plan_.bits;
+    const std::vector<double> tolerances = tolerances_of(plan_, peak_of(like));
     std::vector<Look> looks;
     for (int y = 0; y < level.down(); ++y)
         for (int x = 0; x < level.across(); ++x) {
+            const TileTask task{TileTaskKind::look, number, x, y};
             job::Done receipt;
             Json found;
-            if (std::string why = find_facts(plan_, {TileTaskKind::look, number, x, y}, receipt, found); !why.empty()) return why;
+            if (std::string why = find_facts(plan_, task, receipt, found); !why.empty()) return why;
             Look& look = looks.emplace_back();
             look.lost = found["lost"].get<double>();
             look.pixels = found["pixels"].get<std::size_t>();
             look.sides = found["sides"].get<std::vector<SideCounts>>();
+            if (look.sides.size() != tolerances.size())
+                return "the receipt of " + name_of(plan_, task) + " counts sides by " + std::to_string(look.sides.size()) +
+                       " tolerances and not by " + std::to_string(tolerances.size()) +
+                       ": another hmesh made it, plan the job anew";
             for (const Json& trial : found["trials"])
                 look.trials.push_back({trial[0].get<std::size_t>(), trial[1].get<double>()});
         }
-    ImageFile like;
-    like.bits = plan_.bits;
     Shares shares;
-    if (std::string why =
-            find_shares(looks, level.across(), plan_.channels, level.vertices, tolerances_of(plan_, peak_of(like)), shares);
-        !why.empty())
+    if (std::string why = find_shares(looks, level.across(), plan_.channels, level.vertices, tolerances, shares); !why.empty())
         return why;
     facts = {{"tolerance", shares.tolerance}, {"vertices", shares.vertices}};
     return {};
