@@ -6781,9 +6781,9 @@ namespace hmesh {
 /// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
-    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1 to 2.3 dB above draft
-    normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.4 to 1 dB above fast
-    fine,    ///< the same with 50 sweeps: 0.1 to 0.4 dB above normal in four to five times its time
+    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.1 to 3.6 dB above draft
+    normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.3 to 1.2 dB above fast
+    fine,    ///< the same with 50 sweeps: 0.1 to 0.5 dB above normal in four to five times its time
     best,    ///< the same with 1000 sweeps
 };
 
