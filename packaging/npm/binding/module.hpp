@@ -14,6 +14,7 @@
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 #define HMESH_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
