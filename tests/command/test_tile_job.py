@@ -337,7 +337,7 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
     share.unlink()
     facts = json.loads(seen)["facts"]
     forge(look, facts=facts | {"sides": facts["sides"][::2]})
-    fails("counts sides by 9 tolerances and not by 17", "shares_0")
+    fails("counts sides by 9 tolerances and not by 18", "shares_0")
     look.write_bytes(seen)
     share.write_bytes(shared)
     forge("job/done/shares_0.json", plan="0" * 64)

@@ -88,7 +88,8 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 
 std::vector<double> side_tolerances(double peak) {
     std::vector<double> tolerances;
-    for (int k = 4; k < 21; ++k) tolerances.push_back(peak * std::exp2(-0.5 * k));
+    for (int k = 2; k < 11; ++k)  // products and powers of two alone, which all machines round alike
+        for (const double step : {1.0, 0.7}) tolerances.push_back(step * (peak * std::exp2(-k)));
     return tolerances;
 }
 

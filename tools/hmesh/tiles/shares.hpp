@@ -33,8 +33,8 @@ struct Shares {
     double tolerance = 0;               // of sides, stored values
 };
 
-// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to a 1024th of it, each
-// 0.7 of the one before.
+// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to 0.7 of a 1024th, each
+// 0.7 of the one before, roughly.
 [[nodiscard]] std::vector<double> side_tolerances(double peak);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
