@@ -13,12 +13,7 @@ bool compact_is_there() {
     mesh.channels = 1;
     mesh.width = 2, mesh.height = 1, mesh.peak = 255;
     std::vector<unsigned char> file;
-    const auto sink = [&file](const void* bytes, std::size_t size) {
-        const auto* const at = static_cast<const unsigned char*>(bytes);
-        file.insert(file.end(), at, at + size);
-        return true;
-    };
-    if (!hmesh::write_compact(mesh.view(), sink)) return false;
+    if (!hmesh::write_compact(mesh.view(), hmesh::kit::append_to(file))) return false;
     const hmesh::CompactMesh back = hmesh::read_compact(file.data(), file.size());
     return back.status && back.mesh.colors == mesh.colors && back.mesh.faces == mesh.faces;
 }

@@ -64,11 +64,7 @@ class Directory {
     // Calls `write` five times.
     void put(const std::string& file, Write write) {
         Bytes bytes;
-        const auto sink = [&](const void* from, std::size_t size) {
-            const auto* first = static_cast<const unsigned char*>(from);
-            bytes.insert(bytes.end(), first, first + size);
-            return true;
-        };
+        const auto sink = hmesh::kit::append_to(bytes);
         double least = 0;  // s of processor time
         for (int k = 0; k < 5; ++k) {
             bytes.clear();
