@@ -6973,7 +6973,8 @@ struct Annealed {
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
     /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
     /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
-    /// average, tiles are made larger, up to the image.
+    /// average, tiles are made larger, up to the image. By default, up to 4194304 pixels, tiles of an image that does not repeat
+    /// are as many, but the smaller the more vertices there are, where these are annealed.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -7015,9 +7016,9 @@ struct Annealed {
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
         const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
-        double size = tile != 0          ? tile
-                      : pixels > 4194304 ? 256
-                                         : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
+        double size = tile != 0                ? tile
+                      : pixels > most_balanced ? 256
+                                               : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
         return size;
     }
@@ -7076,6 +7077,8 @@ struct Annealed {
     [[nodiscard]] Status coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const;
 
   private:
+    static constexpr double most_balanced = 4194304;  ///< pixels of images whose tiles may differ in size, and be small
+
     template <int C, class Run>
     [[nodiscard]] Status run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const;
 };
@@ -12552,17 +12555,98 @@ HMESH_COLD inline void find_fans(Array<FanCorner>& corners, FunctionRef<void(std
 
 /// \file
 /// Tiling: a cut of the image into rectangular tiles, each of which becomes a patch and a piece of work (tiles/patch.hpp).
+/// TileGrid: where its lines lie, for all phases.
 #ifndef HMESH_TILES_TILING_HPP
 #define HMESH_TILES_TILING_HPP
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <vector>
 
 namespace hmesh::kit {
 
-/// The image's plane cut by vertical lines x_0 = 0 < x_1 < ... and horizontal lines y_0 = 0 < y_1 < ... at whole pixels. Tile
-/// (i, j) is [x_i, x_(i+1)) times [y_j, y_(j+1)); tiles are numbered row after row. Of a periodic image x_0 and y_0 may be
-/// larger: the last tile goes on beyond the image then, where its first pixels come again.
+/// Where the lines of tilings lie, and with them those that move by half a tile: the places along an axis are 2 n + 1 for n
+/// tiles, in px, ascending from 0 to the side of the image, at steps of half a tile.
+struct TileGrid {
+    Array<int> y;                              ///< places of the lines between rows
+    std::array<std::vector<Array<int>>, 2> x;  ///< places within each row of a tiling, and of one that is shifted along y
+
+    /// Tiles of nearly equal sides of about `tile` > 0 px.
+    TileGrid(int width, int height, double tile) : y(even(height, tile)) { lay_rows(even(width, tile)); }
+    /// As many, of which rows, and tiles within a row, hold about as many of `points` each, which are of the image: at most 1.25
+    /// times the mean, and for tiles 1.25 times that of the row, where no half of a tile would get narrower than half of what
+    /// equal ones have. So threads that work on a few tiles end together. O(n log n).
+    TileGrid(int width, int height, double tile, Array<Point> points) : y(even(height, tile)) {
+        std::sort(points.begin(), points.end(), [](Point a, Point b) { return a.y < b.y; });
+        Array<double> along(points.size());
+        for (std::size_t k = 0; k < points.size(); ++k) along[k] = points[k].y;
+        balance(y, along);
+        lay_rows(even(width, tile));
+        for (std::size_t shift = 0; shift < 2; ++shift) {
+            const Array<int> rows = lines(y, shift != 0);
+            std::size_t k = 0;
+            for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
+                along.clear();
+                for (; k < points.size() && (points[k].y < rows[row + 1] || row + 2 == rows.size()); ++k)
+                    along.push_back(points[k].x);
+                std::sort(along.begin(), along.end());
+                balance(x[shift][row], along);
+            }
+        }
+    }
+    /// The lines of a tiling along an axis with these places.
+    [[nodiscard]] static Array<int> lines(const Array<int>& places, bool shift) {
+        Array<int> at{0};
+        // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
+        for (std::size_t k = shift && places.size() > 3 ? 1 : 2; k + 1 < places.size(); k += 2)
+            if (places[k] > at.back() && places[k] < places.back()) at.push_back(places[k]);
+        at.push_back(places.back());
+        return at;
+    }
+
+  private:
+    /// Gives each row these places.
+    void lay_rows(const Array<int>& places) {
+        for (std::size_t shift = 0; shift < 2; ++shift) x[shift].assign(lines(y, shift != 0).size() - 1, places);
+    }
+    /// Places at equal distances.
+    [[nodiscard]] static Array<int> even(int size, double tile) {
+        const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
+        Array<int> at(2 * static_cast<std::size_t>(count) + 1);
+        for (std::size_t k = 0; k < at.size(); ++k) at[k] = static_cast<int>(size * static_cast<double>(k) / (2.0 * count) + 0.5);
+        return at;
+    }
+    /// Moves places from equal distances to equal shares of a mass, of which 0.8 is that of the points, which are sorted, and the
+    /// rest is spread evenly, as far as no distance is halved.
+    static void balance(Array<int>& places, const Array<double>& points) {
+        constexpr double share = 0.8;
+        if (points.empty()) return;
+        const double size = places.back(), steps = static_cast<double>(places.size() - 1), step = size / steps;
+        Array<double> wanted(places.size(), 0.0);
+        std::size_t before = 0;  // points
+        for (std::size_t k = 1; k + 1 < places.size(); ++k) {
+            const auto mass = [&](double to, std::size_t count) {
+                return share * static_cast<double>(count) / static_cast<double>(points.size()) + (1 - share) * to / size;
+            };
+            const double goal = static_cast<double>(k) / steps;
+            while (before < points.size() && mass(points[before], before + 1) <= goal) ++before;
+            // The mass passes the goal between two points, where the rest rises, or at one.
+            const double x = (goal - mass(0, before)) * size / (1 - share);
+            wanted[k] = before < points.size() ? std::min(x, points[before]) : x;
+        }
+        wanted.back() = size;
+        double moved = 1;  // of the way
+        for (std::size_t k = 1; k < places.size(); ++k)
+            if (const double gap = wanted[k] - wanted[k - 1]; gap < step / 2) moved = std::min(moved, step / 2 / (step - gap));
+        for (std::size_t k = 1; k + 1 < places.size(); ++k)
+            places[k] = static_cast<int>((1 - moved) * static_cast<double>(k) * step + moved * wanted[k] + 0.5);
+    }
+};
+
+/// The image's plane cut by horizontal lines y_0 = 0 < y_1 < ..., and each row by vertical lines x_0 = 0 < x_1 < ..., at whole
+/// pixels. Tile (i, j) is [x_i, x_(i+1)) times [y_j, y_(j+1)), by the x of row j; tiles are numbered row after row. Of a periodic
+/// image x_0 and y_0 may be larger: the last tile goes on beyond the image then, where its first pixels come again.
 class Tiling {
   public:
     /// Cuts an image of width * height px into tiles of nearly equal sides of about `tile` > 0 px. `shift_x` and `shift_y` move
@@ -12570,46 +12654,55 @@ class Tiling {
     /// Along the axes of a `periodic` image there is no border: all tiles have their size, one alone is shifted too, and lines
     /// are a quarter of a tile off x = 0 and y = 0, where the mesh may have to run along a seam (Options::straight_border).
     Tiling(int width, int height, double tile, bool shift_x = false, bool shift_y = false, Periodic periodic = Periodic::none)
-        : x_(lines(width, tile, shift_x, wraps_x(periodic))), y_(lines(height, tile, shift_y, wraps_y(periodic))) {}
+        : Tiling(TileGrid(width, height, tile), shift_x, shift_y, periodic) {}
+    /// The same along the lines of a grid, whose tiles are equal if the image is periodic.
+    explicit Tiling(const TileGrid& grid, bool shift_x = false, bool shift_y = false, Periodic periodic = Periodic::none)
+        : y_(wraps_y(periodic) ? around(grid.y, shift_y) : TileGrid::lines(grid.y, shift_y)) {
+        for (std::size_t row = 0; row < rows(); ++row) {
+            const Array<int>& places = grid.x[shift_y ? 1 : 0][wraps_y(periodic) ? 0 : row];
+            x_.push_back(wraps_x(periodic) ? around(places, shift_x) : TileGrid::lines(places, shift_x));
+            first_.push_back(first_.back() + x_.back().size() - 1);
+        }
+    }
 
-    [[nodiscard]] int left() const noexcept { return x_.front(); }  ///< x_0, px; not 0 only along axes of a periodic image
-    [[nodiscard]] int top() const noexcept { return y_.front(); }   ///< y_0, px; likewise
+    [[nodiscard]] int left() const noexcept {
+        return x_.front().front();
+    }                                                              ///< x_0, px; not 0 only along axes of a periodic image
+    [[nodiscard]] int top() const noexcept { return y_.front(); }  ///< y_0, px; likewise
     /// The number of tiles in a row.
-    [[nodiscard]] std::size_t columns() const noexcept { return x_.size() - 1; }
-    /// The number of tiles in a column.
+    [[nodiscard]] std::size_t columns(std::size_t row = 0) const noexcept { return x_[row].size() - 1; }
+    /// The number of rows.
     [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
     /// The number of tiles.
-    [[nodiscard]] std::size_t size() const noexcept { return columns() * rows(); }
-    /// The pixels of tile number `tile` < size().
+    [[nodiscard]] std::size_t size() const noexcept { return first_.back(); }
+    /// The pixels of tile number `tile` < size(). O(log rows()).
     [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
-        const std::size_t i = tile % columns(), j = tile / columns();
-        return {x_[i], y_[j], x_[i + 1] - x_[i], y_[j + 1] - y_[j]};
+        const auto after = std::upper_bound(first_.begin(), first_.end(), tile);
+        const std::size_t j = static_cast<std::size_t>(after - first_.begin()) - 1, i = tile - first_[j];
+        return {x_[j][i], y_[j], x_[j][i + 1] - x_[j][i], y_[j + 1] - y_[j]};
     }
     /// The number of the tile that holds p, in px of the image; points beyond the image belong to the nearest tile. O(log
     /// size()).
-    [[nodiscard]] std::size_t tile_at(Point p) const noexcept { return find(y_, p.y) * columns() + find(x_, p.x); }
+    [[nodiscard]] std::size_t tile_at(Point p) const noexcept {
+        const std::size_t j = find(y_, p.y);
+        return first_[j] + find(x_[j], p.x);
+    }
 
     /// Whether the lines are the same.
     [[nodiscard]] friend bool operator==(const Tiling& a, const Tiling& b) noexcept { return a.x_ == b.x_ && a.y_ == b.y_; }
     [[nodiscard]] friend bool operator!=(const Tiling& a, const Tiling& b) noexcept { return !(a == b); }  ///< whether not
 
   private:
-    /// The lines across a side of `size` px, from 0 to `size`; where it `wraps`, from the first line on as far.
-    [[nodiscard]] static Array<int> lines(int size, double tile, bool shift, bool wraps) {
-        const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
-        const auto line = [&](double k) { return static_cast<int>(size * k / count + 0.5); };
-        if (wraps) {
-            const double first = shift ? 0.75 : 0.25;
-            Array<int> at{line(first)};
-            for (int k = 1; k <= count; ++k)
-                if (const int next = k == count ? at.front() + size : line(k + first); next > at.back()) at.push_back(next);
-            return at;
-        }
-        Array<int> at{0};
-        // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
-        for (int k = shift && count > 1 ? 0 : 1; k < count; ++k)
-            if (const int next = line(shift ? k + 0.5 : k); next > at.back() && next < size) at.push_back(next);
-        at.push_back(size);
+    /// The lines around an axis that repeats, of equal tiles, from the first line on as far as the image's side.
+    [[nodiscard]] static Array<int> around(const Array<int>& places, bool shift) {
+        const int size = places.back();
+        const std::size_t count = places.size() / 2;
+        const auto line = [&](double k) { return static_cast<int>(size * k / static_cast<double>(count) + 0.5); };
+        const double first = shift ? 0.75 : 0.25;
+        Array<int> at{line(first)};
+        for (std::size_t k = 1; k <= count; ++k)
+            if (const int next = k == count ? at.front() + size : line(static_cast<double>(k) + first); next > at.back())
+                at.push_back(next);
         return at;
     }
     /// The index of the interval of `at` that holds x.
@@ -12617,7 +12710,9 @@ class Tiling {
         const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, x, [](double a, int b) { return a < b; });
         return static_cast<std::size_t>(after - at.begin()) - 1;
     }
-    Array<int> x_, y_;  ///< the lines, px
+    Array<int> y_;                       ///< the lines between rows, px
+    std::vector<Array<int>> x_;          ///< those in each row
+    std::vector<std::size_t> first_{0};  ///< the number of each row's first tile, and of all tiles
 };
 
 }  // namespace hmesh::kit
@@ -14516,11 +14611,12 @@ HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSte
 template <int C>
 class AnnealedRun {
   public:
-    /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
-    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
+    /// `tile`: the side of tiles, px; `is_equal`: whether all have it, or hold as many vertices each. `border`: the vertices of a
+    /// border that stays as it is, and that a mesh to start from has; empty: none.
+    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile, bool is_equal,
                 const Array<Point>& border)
-        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
-          has_seams_(tiled.has_seams(aligned_)) {}
+        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), is_equal_(is_equal), border_(&border),
+          grid_(tiled.source().width(), tiled.source().height(), tile), has_seams_(tiled.has_seams(tiling(0))) {}
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
@@ -14536,7 +14632,8 @@ class AnnealedRun {
         tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
-                         tiled_->measure(aligned_);
+                         set_tiles();
+                         tiled_->measure(tiling(0));
                          return reach();
                      }) &&
                finish();
@@ -14567,8 +14664,12 @@ class AnnealedRun {
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
-        return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3],
-                      tiled_->source().periodic());
+        return Tiling(grid_, shift_x[phase & 3], shift_y[phase & 3], tiled_->source().periodic());
+    }
+    /// Lays the lines of all tilings by the vertices of indexed(), unless tiles are equal.
+    HMESH_COLD void set_tiles() {
+        const ImageSource<C>& source = tiled_->source();
+        if (!is_equal_) grid_ = TileGrid(source.width(), source.height(), tile_, tiled_->indexed().positions);
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
@@ -14619,8 +14720,9 @@ class AnnealedRun {
         }
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
+        set_tiles();
         progress().set_range(0.9, 0.9);
-        return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
+        return tiled_->for_each(tiling(0), [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
     /// A piece of work on a patch.
@@ -14788,8 +14890,9 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
+    bool is_equal_;
     const Array<Point>* border_;
-    Tiling aligned_;
+    TileGrid grid_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
 };
@@ -14803,14 +14906,16 @@ Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) 
     if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), border);
+    const bool has_equal_tiles = tile != 0 || plan.annealing.sweeps == 0 || mesh.source().periodic() != Periodic::none ||
+                                 mesh.source().pixels() > most_balanced;
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), has_equal_tiles, border);
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), border).run();
+    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), true, border).run();
     if (!is_done && !border.empty() && !mesh.progress().stopped())
         return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
                 static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};

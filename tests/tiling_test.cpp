@@ -8,8 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/random.hpp"
+
 using hmesh::kit::Point;
 using hmesh::kit::Rect;
+using hmesh::kit::TileGrid;
 using hmesh::kit::Tiling;
 
 namespace {
@@ -26,6 +29,14 @@ std::vector<int> lines_y(const Tiling& tiling) {
     for (std::size_t j = 0; j < tiling.rows(); ++j) lines.push_back(tiling.rect(j * tiling.columns()).y);
     lines.push_back(lines.back() + tiling.rect(tiling.size() - 1).height);
     return lines;
+}
+
+// Points of an image, at even random numbers to the power of `strength`: above 1 the closer, the nearer they are to a corner.
+hmesh::kit::Array<Point> crowded_points(int width, int height, std::size_t count, double strength) {
+    hmesh::kit::Random random(5);
+    hmesh::kit::Array<Point> points(count);
+    for (Point& p : points) p = {width * std::pow(random.uniform(), strength), height * std::pow(random.uniform(), strength)};
+    return points;
 }
 
 }  // namespace
@@ -131,4 +142,72 @@ TEST_CASE("tiles of an image that repeats have one size, go around it, and no li
                     REQUIRE(std::min(distance, size - distance) >= std::floor(apart) - 1);
                 }
         }
+}
+
+TEST_CASE("rows of a balanced tiling hold as many points each as asked, and so do the tiles of a row") {
+    for (const double strength : {1.0, 1.3}) {
+        const hmesh::kit::Array<Point> points = crowded_points(600, 400, 20000, strength);
+        const Tiling tiling(TileGrid(600, 400, 130, points)), equal(600, 400, 130);
+        REQUIRE((tiling.rows() == equal.rows() && tiling.size() == equal.size()));
+        std::vector<double> held(tiling.size(), 0.0);
+        for (const Point p : points) ++held[tiling.tile_at(p)];
+        const double row_mean = 20000.0 / static_cast<double>(tiling.rows());
+        for (std::size_t j = 0; j < tiling.rows(); ++j) {
+            const std::size_t columns = tiling.columns(j);
+            double row = 0, most = 0;
+            for (std::size_t i = 0; i < columns; ++i) {
+                row += held[j * columns + i];
+                most = std::max(most, held[j * columns + i]);
+            }
+            CHECK(row <= 1.25 * row_mean + 400);  // lines are at whole pixels, the closest of which have some hundred points
+            CHECK(most <= 1.25 * row / static_cast<double>(columns) + 100);
+        }
+        if (strength > 1) {  // equal tiles do not
+            std::vector<double> unequal(equal.size(), 0.0);
+            for (const Point p : points) ++unequal[equal.tile_at(p)];
+            CHECK(*std::max_element(unequal.begin(), unequal.end()) > 1.4 * *std::max_element(held.begin(), held.end()));
+        }
+    }
+}
+
+TEST_CASE("no half of a tile of a balanced tiling is narrower than half of that of equal ones, wherever the points are") {
+    for (const double x : {0.0, 0.5, 31.7, 299.5, 599.0, 600.0})
+        for (const double y : {0.0, 200.0, 399.5, 400.0}) {
+            const hmesh::kit::Array<Point> points(1000, {x, y});
+            const TileGrid grid(600, 400, 100, points), equal(600, 400, 100);
+            const auto check_steps = [](const hmesh::kit::Array<int>& places, const hmesh::kit::Array<int>& even) {
+                REQUIRE((places.size() == even.size() && places.front() == 0 && places.back() == even.back()));
+                for (std::size_t k = 1; k < places.size(); ++k) CHECK(places[k] - places[k - 1] >= 24);  // of 50, and rounded
+            };
+            check_steps(grid.y, equal.y);
+            for (const bool shift : {false, true})
+                for (const auto& row : grid.x[shift]) check_steps(row, equal.x[shift].front());
+        }
+}
+
+TEST_CASE("balanced tilings have every pixel in one tile, and each place off all lines in one of four phases") {
+    for (const double tile : {1.0, 2.0, 7.0, 16.0, 100.0}) {
+        const TileGrid grid(40, 31, tile, crowded_points(40, 31, 300, 3));
+        std::vector<int> inside(40 * 31, 0);  // in how many phases a pixel's tile holds the pixels beside it
+        for (const bool shift_x : {false, true})
+            for (const bool shift_y : {false, true}) {
+                const Tiling tiling(grid, shift_x, shift_y);
+                std::vector<int> covers(40 * 31, 0);
+                for (std::size_t k = 0; k < tiling.size(); ++k) {
+                    const Rect r = tiling.rect(k);
+                    for (int y = r.y; y < r.y + r.height; ++y)
+                        for (int x = r.x; x < r.x + r.width; ++x) {
+                            const auto at = static_cast<std::size_t>(40 * y + x);
+                            ++covers[at];
+                            REQUIRE(tiling.tile_at({x + 0.5, y + 0.5}) == k);
+                            const bool is_off_x = (x > r.x || x == 0) && (x + 1 < r.x + r.width || x == 39);
+                            const bool is_off_y = (y > r.y || y == 0) && (y + 1 < r.y + r.height || y == 30);
+                            inside[at] += is_off_x && is_off_y ? 1 : 0;
+                        }
+                }
+                CHECK(std::count(covers.begin(), covers.end(), 1) == 40 * 31);
+            }
+        if (tile >= 16) CHECK(std::count(inside.begin(), inside.end(), 0) == 0);
+    }
+    CHECK(Tiling(TileGrid(40, 31, 7, {})) == Tiling(40, 31, 7));  // no points: equal tiles
 }

@@ -130,11 +130,12 @@ HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSte
 template <int C>
 class AnnealedRun {
   public:
-    /// `border`: the vertices of a border that stays as it is, and that a mesh to start from has; empty: none.
-    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile,
+    /// `tile`: the side of tiles, px; `is_equal`: whether all have it, or hold as many vertices each. `border`: the vertices of a
+    /// border that stays as it is, and that a mesh to start from has; empty: none.
+    AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile, bool is_equal,
                 const Array<Point>& border)
-        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), border_(&border), aligned_(tiling(0)),
-          has_seams_(tiled.has_seams(aligned_)) {}
+        : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), is_equal_(is_equal), border_(&border),
+          grid_(tiled.source().width(), tiled.source().height(), tile), has_seams_(tiled.has_seams(tiling(0))) {}
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
@@ -150,7 +151,8 @@ class AnnealedRun {
         tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
-                         tiled_->measure(aligned_);
+                         set_tiles();
+                         tiled_->measure(tiling(0));
                          return reach();
                      }) &&
                finish();
@@ -181,8 +183,12 @@ class AnnealedRun {
     /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
     [[nodiscard]] Tiling tiling(int phase) const {
         constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
-        return Tiling(tiled_->source().width(), tiled_->source().height(), tile_, shift_x[phase & 3], shift_y[phase & 3],
-                      tiled_->source().periodic());
+        return Tiling(grid_, shift_x[phase & 3], shift_y[phase & 3], tiled_->source().periodic());
+    }
+    /// Lays the lines of all tilings by the vertices of indexed(), unless tiles are equal.
+    HMESH_COLD void set_tiles() {
+        const ImageSource<C>& source = tiled_->source();
+        if (!is_equal_) grid_ = TileGrid(source.width(), source.height(), tile_, tiled_->indexed().positions);
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
@@ -233,8 +239,9 @@ class AnnealedRun {
         }
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
+        set_tiles();
         progress().set_range(0.9, 0.9);
-        return tiled_->for_each(aligned_, [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
+        return tiled_->for_each(tiling(0), [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
     /// A piece of work on a patch.
@@ -402,8 +409,9 @@ class AnnealedRun {
     AnnealedSteps steps_;
     std::uint64_t seed_;
     double tile_;
+    bool is_equal_;
     const Array<Point>* border_;
-    Tiling aligned_;
+    TileGrid grid_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
 };
@@ -417,14 +425,16 @@ Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) 
     if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();
     kit::AnnealedSteps plan = steps.value_or(kit::annealed_steps(effort));
-    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), border);
+    const bool has_equal_tiles = tile != 0 || plan.annealing.sweeps == 0 || mesh.source().periodic() != Periodic::none ||
+                                 mesh.source().pixels() > most_balanced;
+    kit::detail::AnnealedRun<C> first(mesh, n, plan, seed, tile_size(width, height, n), has_equal_tiles, border);
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
     // without a collapse, always ends at n.
     plan.points = 1;
     plan.annealing.sweeps = 0;
-    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), border).run();
+    const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), true, border).run();
     if (!is_done && !border.empty() && !mesh.progress().stopped())
         return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
                 static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};

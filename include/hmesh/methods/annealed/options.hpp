@@ -221,7 +221,8 @@ struct Annealed {
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
     /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
     /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
-    /// average, tiles are made larger, up to the image.
+    /// average, tiles are made larger, up to the image. By default, up to 4194304 pixels, tiles of an image that does not repeat
+    /// are as many, but the smaller the more vertices there are, where these are annealed.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -263,9 +264,9 @@ struct Annealed {
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
         const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
-        double size = tile != 0          ? tile
-                      : pixels > 4194304 ? 256
-                                         : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
+        double size = tile != 0                ? tile
+                      : pixels > most_balanced ? 256
+                                               : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
         while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
         return size;
     }
@@ -324,6 +325,8 @@ struct Annealed {
     [[nodiscard]] Status coarsen(kit::TiledMesh<C>& mesh, std::size_t n) const;
 
   private:
+    static constexpr double most_balanced = 4194304;  ///< pixels of images whose tiles may differ in size, and be small
+
     template <int C, class Run>
     [[nodiscard]] Status run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const;
 };
