@@ -170,18 +170,20 @@ TEST_CASE("rows of a balanced tiling hold as many points each as asked, and so d
     }
 }
 
-TEST_CASE("no half of a tile of a balanced tiling is narrower than half of that of equal ones, wherever the points are") {
+TEST_CASE("no tile of a balanced tiling is narrower than half of what equal ones are, wherever the points are") {
     for (const double x : {0.0, 0.5, 31.7, 299.5, 599.0, 600.0})
         for (const double y : {0.0, 200.0, 399.5, 400.0}) {
             const hmesh::kit::Array<Point> points(1000, {x, y});
-            const TileGrid grid(600, 400, 100, points), equal(600, 400, 100);
-            const auto check_steps = [](const hmesh::kit::Array<int>& places, const hmesh::kit::Array<int>& even) {
-                REQUIRE((places.size() == even.size() && places.front() == 0 && places.back() == even.back()));
-                for (std::size_t k = 1; k < places.size(); ++k) CHECK(places[k] - places[k - 1] >= 24);  // of 50, and rounded
-            };
-            check_steps(grid.y, equal.y);
-            for (const bool shift : {false, true})
-                for (const auto& row : grid.x[shift]) check_steps(row, equal.x[shift].front());
+            const TileGrid grid(600, 400, 100, points);
+            for (const bool shift_x : {false, true})
+                for (const bool shift_y : {false, true}) {
+                    const Tiling tiling(grid, shift_x, shift_y), equal(600, 400, 100, shift_x, shift_y);
+                    REQUIRE(tiling.size() == equal.size());
+                    for (std::size_t k = 0; k < tiling.size(); ++k) {
+                        CHECK(tiling.rect(k).width >= equal.rect(k).width / 2 - 1);  // rounded
+                        CHECK(tiling.rect(k).height >= equal.rect(k).height / 2 - 1);
+                    }
+                }
         }
 }
 

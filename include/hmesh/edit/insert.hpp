@@ -245,7 +245,8 @@ namespace detail {
 /// The best sites for `count` new vertices, by falling gain, ties in spatial order: up to 4 * count. max_gain() spares most sites
 /// their evaluation. 40 bytes a site.
 template <int C>
-[[nodiscard]] Array<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+[[nodiscard]] HMESH_PATCHWISE Array<InsertionSite> best_sites(const ImageMesh<C>& mesh, std::size_t count,
+                                                              const InsertionOptions& options) {
     const Array<InsertionSite> sites = insertion_sites(mesh, options.faces);
     const double scale = mesh.energy() > 0 ? 1 / mesh.mean_energy() : 0;  // keeps floats in range, whatever the unit of samples
     RingScratch<C> scratch;
@@ -265,7 +266,7 @@ template <int C>
 /// inserted, which is 0 where no candidate lowers the energy; it may be less than `count` also because
 /// mesh.keep_going() says stop.
 template <int C>
-std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
+HMESH_PATCHWISE std::size_t insert_batch(ImageMesh<C>& mesh, std::size_t count, const InsertionOptions& options) {
     const HalfedgeMesh& topology = mesh.topology();
     const Array<InsertionSite> sites = best_sites(mesh, count, options);
     Array<unsigned char> touched(topology.face_slots() + 2 * count, 0);

@@ -76,23 +76,25 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
     for (const Point p : opposite) (void)delaunay.insert(p);
 }
 
-/// The mesh of a Delaunay triangulation of the image's rectangle, with the colours of the pixels under the vertices; vertices
-/// and faces are in the order of delaunay.topology(). The energy is not computed: ImageMesh::assign() and TiledMesh::measure()
-/// do that. O(n).
+/// The mesh of a Delaunay triangulation of the image's rectangle, whose vertices and faces are in the order of
+/// delaunay.topology(), without the colours, which take_colors() finds: the triangulation is as large as all of them, and may be
+/// gone by then. The energy is not computed: ImageMesh::assign() and TiledMesh::measure() do that. O(n).
 template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, Delaunay delaunay) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> uncolored_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
+    HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
+    HMESH_ASSERT(delaunay.samples() == source.samples());
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
     mesh.samples = source.samples();
-    {
-        const Delaunay ended = std::move(delaunay);  // whose memory the colours may take
-        HMESH_ASSERT(ended.width() == source.width() && ended.height() == source.height());
-        HMESH_ASSERT(ended.samples() == source.samples());
-        mesh.positions.reserve(ended.topology().vertex_count());
-        for (const Vertex v : ended.topology().vertices()) mesh.positions.push_back(ended.position(v));
-        mesh.faces = ended.topology().triangles();
-    }
+    mesh.positions.reserve(delaunay.topology().vertex_count());
+    for (const Vertex v : delaunay.topology().vertices()) mesh.positions.push_back(delaunay.position(v));
+    mesh.faces = delaunay.topology().triangles();
+    return mesh;
+}
+/// Gives each vertex the colour of the pixel under it. O(n).
+template <int C>
+HMESH_COLD void take_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source) {
     mesh.colors.resize(mesh.positions.size(), Color<C>::zero());
     mesh.dirty.resize(mesh.positions.size(), 1);
     source.visit(
@@ -101,6 +103,12 @@ template <int C>
             const Point p = mesh.positions[k];
             mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
         });
+}
+/// Both.
+template <int C>
+[[nodiscard]] HMESH_COLD IndexedMesh<C> delaunay_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
+    IndexedMesh<C> mesh = uncolored_mesh(source, delaunay);
+    take_colors(mesh, source);
     return mesh;
 }
 

@@ -7,9 +7,9 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/periodic.hpp"
@@ -18,82 +18,83 @@
 
 namespace hmesh::kit {
 
-/// Where the lines of tilings lie, and with them those that move by half a tile: the places along an axis are 2 n + 1 for n
-/// tiles, in px, ascending from 0 to the side of the image, at steps of half a tile.
-struct TileGrid {
-    Array<int> y;                              ///< places of the lines between rows
-    std::array<std::vector<Array<int>>, 2> x;  ///< places within each row of a tiling, and of one that is shifted along y
-
+/// Where the lines of tilings lie, and with them those that move by half a tile. The places along an axis are 4 n + 1 for n
+/// tiles, in px, ascending from 0 to the side of the image, at steps of a quarter of a tile.
+class TileGrid {
+  public:
     /// Tiles of nearly equal sides of about `tile` > 0 px.
-    TileGrid(int width, int height, double tile) : y(even(height, tile)) { lay_rows(even(width, tile)); }
+    HMESH_COLD TileGrid(int width, int height, double tile) : even_x_(even(width, tile)), y_(even(height, tile)) {}
     /// As many, of which rows, and tiles within a row, hold about as many of `points` each, which are of the image: at most 1.25
     /// times the mean, and for tiles 1.25 times that of the row, where no half of a tile would get narrower than half of what
-    /// equal ones have. So threads that work on a few tiles end together. O(n log n).
-    TileGrid(int width, int height, double tile, Array<Point> points) : y(even(height, tile)) {
-        std::sort(points.begin(), points.end(), [](Point a, Point b) { return a.y < b.y; });
-        Array<double> along(points.size());
-        for (std::size_t k = 0; k < points.size(); ++k) along[k] = points[k].y;
-        balance(y, along);
-        lay_rows(even(width, tile));
-        for (std::size_t shift = 0; shift < 2; ++shift) {
-            const Array<int> rows = lines(y, shift != 0);
-            std::size_t k = 0;
+    /// equal ones have. So threads that work on a few tiles end together. O(rows * points).
+    HMESH_COLD TileGrid(int width, int height, double tile, const Array<Point>& points) : TileGrid(width, height, tile) {
+        balance(y_, points, &Point::y, &Point::x, 0, width);
+        for (const bool shift : {false, true}) {
+            Array<int> rows, &row_places = x_[shift ? 1 : 0];
+            add_y(shift, false, rows);
             for (std::size_t row = 0; row + 1 < rows.size(); ++row) {
-                along.clear();
-                for (; k < points.size() && (points[k].y < rows[row + 1] || row + 2 == rows.size()); ++k)
-                    along.push_back(points[k].x);
-                std::sort(along.begin(), along.end());
-                balance(x[shift][row], along);
+                Array<int> places = even_x_;
+                balance(places, points, &Point::x, &Point::y, rows[row], rows[row + 1]);
+                row_places.insert(row_places.end(), places.begin(), places.end());
             }
         }
     }
-    /// The lines of a tiling along an axis with these places.
-    [[nodiscard]] static Array<int> lines(const Array<int>& places, bool shift) {
-        Array<int> at{0};
-        // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
-        for (std::size_t k = shift && places.size() > 3 ? 1 : 2; k + 1 < places.size(); k += 2)
-            if (places[k] > at.back() && places[k] < places.back()) at.push_back(places[k]);
-        at.push_back(places.back());
-        return at;
+    /// Adds the lines between rows, with the image's sides: shifted by half a tile or not, and as they go around an axis that
+    /// `wraps`, which is of equal tiles.
+    void add_y(bool shift, bool wraps, Array<int>& lines) const { add_lines(y_.data(), y_.size(), shift, wraps, lines); }
+    /// Adds the lines within this row of the tiling that is shifted along y or not, likewise.
+    void add_x(std::size_t row, bool shift_y, bool shift, bool wraps, Array<int>& lines) const {
+        const Array<int>& rows = x_[shift_y ? 1 : 0];
+        const std::size_t count = even_x_.size();
+        add_lines(rows.empty() ? even_x_.data() : rows.data() + row * count, count, shift, wraps, lines);
     }
 
   private:
-    /// Gives each row these places.
-    void lay_rows(const Array<int>& places) {
-        for (std::size_t shift = 0; shift < 2; ++shift) x[shift].assign(lines(y, shift != 0).size() - 1, places);
+    HMESH_COLD static void add_lines(const int* places, std::size_t count, bool shift, bool wraps, Array<int>& lines) {
+        const std::size_t first = wraps ? (shift ? 3 : 1) : shift && count > 5 ? 2 : 4;
+        const int begin = wraps ? places[first] : 0, end = begin + places[count - 1];
+        lines.push_back(begin);
+        // Where tiles are about a pixel wide, rounding may bring two lines together: one of them is left out.
+        for (std::size_t k = first; k + 1 < count; k += 4)
+            if (places[k] > lines.back() && places[k] < end) lines.push_back(places[k]);
+        lines.push_back(end);
     }
     /// Places at equal distances.
-    [[nodiscard]] static Array<int> even(int size, double tile) {
+    [[nodiscard]] HMESH_COLD static Array<int> even(int size, double tile) {
         const int count = std::max(1, static_cast<int>(std::min(65536.0, size / tile + 0.5)));
-        Array<int> at(2 * static_cast<std::size_t>(count) + 1);
-        for (std::size_t k = 0; k < at.size(); ++k) at[k] = static_cast<int>(size * static_cast<double>(k) / (2.0 * count) + 0.5);
+        Array<int> at(4 * static_cast<std::size_t>(count) + 1);
+        for (std::size_t k = 0; k < at.size(); ++k) at[k] = static_cast<int>(size * static_cast<double>(k) / (4.0 * count) + 0.5);
         return at;
     }
-    /// Moves places from equal distances to equal shares of a mass, of which 0.8 is that of the points, which are sorted, and the
-    /// rest is spread evenly, as far as no distance is halved.
-    static void balance(Array<int>& places, const Array<double>& points) {
-        constexpr double share = 0.8;
-        if (points.empty()) return;
-        const double size = places.back(), steps = static_cast<double>(places.size() - 1), step = size / steps;
-        Array<double> wanted(places.size(), 0.0);
-        std::size_t before = 0;  // points
-        for (std::size_t k = 1; k + 1 < places.size(); ++k) {
-            const auto mass = [&](double to, std::size_t count) {
-                return share * static_cast<double>(count) / static_cast<double>(points.size()) + (1 - share) * to / size;
-            };
-            const double goal = static_cast<double>(k) / steps;
-            while (before < points.size() && mass(points[before], before + 1) <= goal) ++before;
-            // The mass passes the goal between two points, where the rest rises, or at one.
-            const double x = (goal - mass(0, before)) * size / (1 - share);
-            wanted[k] = before < points.size() ? std::min(x, points[before]) : x;
+    /// Moves places `along` an axis from equal distances to equal shares of a mass, of which 0.8 is that of the points in
+    /// [low, high) `across` it, and the rest is spread evenly, as far as no distance of half a tile is halved.
+    HMESH_COLD static void balance(Array<int>& places, const Array<Point>& points, double Point::*along, double Point::*across,
+                                   int low, int high) {
+        const auto size = static_cast<std::size_t>(places.back()), steps = places.size() - 1;
+        const double step = static_cast<double>(size) / static_cast<double>(steps);
+        Array<double> mass(size + 1, 0.0), wanted(steps + 1, static_cast<double>(size));
+        double count = 0, before = 0, moved = 1;  // how much of the way from equal distances is gone
+        for (const Point& p : points)
+            if (p.*across >= low && p.*across < high) ++mass[static_cast<std::size_t>(p.*along)], ++count;
+        if (count == 0) return;
+        std::size_t k = 0;
+        for (std::size_t px = 0; px < size; ++px) {
+            const double here = mass[px] + 0.25 * count / static_cast<double>(size),
+                         share = 1.25 * count / static_cast<double>(steps);
+            for (; k < steps && before + here >= share * static_cast<double>(k); ++k)
+                wanted[k] = static_cast<double>(px) + (share * static_cast<double>(k) - before) / here;
+            before += here;
         }
-        wanted.back() = size;
-        double moved = 1;  // of the way
-        for (std::size_t k = 1; k < places.size(); ++k)
-            if (const double gap = wanted[k] - wanted[k - 1]; gap < step / 2) moved = std::min(moved, step / 2 / (step - gap));
-        for (std::size_t k = 1; k + 1 < places.size(); ++k)
-            places[k] = static_cast<int>((1 - moved) * static_cast<double>(k) * step + moved * wanted[k] + 0.5);
+        for (k = 2; k <= steps; k += 2)
+            if (const double gap = wanted[k] - wanted[k - 2]; gap < step) moved = std::min(moved, step / (2 * step - gap));
+        for (k = 0; k < steps; ++k)
+            places[k] = static_cast<int>((1 - moved) * step * static_cast<double>(k) + moved * wanted[k] + 0.5);
     }
+
+    Array<int> even_x_;              ///< places in rows of equal tiles
+    Array<int> y_;                   ///< places of the lines between rows
+    std::array<Array<int>, 2> x_{};  ///< places in each row, one after another, of a tiling that is not or is shifted along y;
+                                     ///< empty: those of equal tiles
 };
 
 /// The image's plane cut by horizontal lines y_0 = 0 < y_1 < ..., and each row by vertical lines x_0 = 0 < x_1 < ..., at whole
@@ -108,63 +109,77 @@ class Tiling {
     Tiling(int width, int height, double tile, bool shift_x = false, bool shift_y = false, Periodic periodic = Periodic::none)
         : Tiling(TileGrid(width, height, tile), shift_x, shift_y, periodic) {}
     /// The same along the lines of a grid, whose tiles are equal if the image is periodic.
-    explicit Tiling(const TileGrid& grid, bool shift_x = false, bool shift_y = false, Periodic periodic = Periodic::none)
-        : y_(wraps_y(periodic) ? around(grid.y, shift_y) : TileGrid::lines(grid.y, shift_y)) {
-        for (std::size_t row = 0; row < rows(); ++row) {
-            const Array<int>& places = grid.x[shift_y ? 1 : 0][wraps_y(periodic) ? 0 : row];
-            x_.push_back(wraps_x(periodic) ? around(places, shift_x) : TileGrid::lines(places, shift_x));
-            first_.push_back(first_.back() + x_.back().size() - 1);
+    HMESH_COLD explicit Tiling(const TileGrid& grid, bool shift_x = false, bool shift_y = false,
+                               Periodic periodic = Periodic::none) {
+        grid.add_y(shift_y, wraps_y(periodic), lines_);
+        rows_ = lines_.size() - 1;
+        lines_.resize(2 * rows_ + 2);
+        for (std::size_t j = 0; j < rows_; ++j) {
+            lines_[rows_ + 1 + j] = static_cast<int>(lines_.size());
+            grid.add_x(j, shift_y, shift_x, wraps_x(periodic), lines_);
         }
+        lines_[2 * rows_ + 1] = static_cast<int>(lines_.size());
     }
 
-    [[nodiscard]] int left() const noexcept {
-        return x_.front().front();
-    }                                                              ///< x_0, px; not 0 only along axes of a periodic image
-    [[nodiscard]] int top() const noexcept { return y_.front(); }  ///< y_0, px; likewise
+    [[nodiscard]] int left() const noexcept { return x(0)[0]; }        ///< x_0, px; not 0 only along axes of a periodic image
+    [[nodiscard]] int top() const noexcept { return lines_.front(); }  ///< y_0, px; likewise
     /// The number of tiles in a row.
-    [[nodiscard]] std::size_t columns(std::size_t row = 0) const noexcept { return x_[row].size() - 1; }
+    [[nodiscard]] std::size_t columns(std::size_t row = 0) const noexcept { return first(row + 1) - first(row); }
     /// The number of rows.
-    [[nodiscard]] std::size_t rows() const noexcept { return y_.size() - 1; }
+    [[nodiscard]] std::size_t rows() const noexcept { return rows_; }
     /// The number of tiles.
-    [[nodiscard]] std::size_t size() const noexcept { return first_.back(); }
-    /// The pixels of tile number `tile` < size(). O(log rows()).
-    [[nodiscard]] Rect rect(std::size_t tile) const noexcept {
-        const auto after = std::upper_bound(first_.begin(), first_.end(), tile);
-        const std::size_t j = static_cast<std::size_t>(after - first_.begin()) - 1, i = tile - first_[j];
-        return {x_[j][i], y_[j], x_[j][i + 1] - x_[j][i], y_[j + 1] - y_[j]};
+    [[nodiscard]] std::size_t size() const noexcept { return first(rows_); }
+    /// The pixels of tile number `tile` < size(). O(rows()).
+    [[nodiscard]] HMESH_COLD Rect rect(std::size_t tile) const noexcept {
+        std::size_t j = 0;
+        while (first(j + 1) <= tile) ++j;
+        const int *const line = x(j) + (tile - first(j)), *const y = lines_.data() + j;
+        return {line[0], y[0], line[1] - line[0], y[1] - y[0]};
     }
     /// The number of the tile that holds p, in px of the image; points beyond the image belong to the nearest tile. O(log
     /// size()).
     [[nodiscard]] std::size_t tile_at(Point p) const noexcept {
-        const std::size_t j = find(y_, p.y);
-        return first_[j] + find(x_[j], p.x);
+        const std::size_t j = find(lines_.data(), rows_, p.y);
+        return first(j) + find(x(j), columns(j), p.x);
     }
 
     /// Whether the lines are the same.
-    [[nodiscard]] friend bool operator==(const Tiling& a, const Tiling& b) noexcept { return a.x_ == b.x_ && a.y_ == b.y_; }
+    [[nodiscard]] friend bool operator==(const Tiling& a, const Tiling& b) noexcept { return a.lines_ == b.lines_; }
     [[nodiscard]] friend bool operator!=(const Tiling& a, const Tiling& b) noexcept { return !(a == b); }  ///< whether not
 
   private:
-    /// The lines around an axis that repeats, of equal tiles, from the first line on as far as the image's side.
-    [[nodiscard]] static Array<int> around(const Array<int>& places, bool shift) {
-        const int size = places.back();
-        const std::size_t count = places.size() / 2;
-        const auto line = [&](double k) { return static_cast<int>(size * k / static_cast<double>(count) + 0.5); };
-        const double first = shift ? 0.75 : 0.25;
-        Array<int> at{line(first)};
-        for (std::size_t k = 1; k <= count; ++k)
-            if (const int next = k == count ? at.front() + size : line(static_cast<double>(k) + first); next > at.back())
-                at.push_back(next);
-        return at;
+    /// The lines within row j.
+    [[nodiscard]] const int* x(std::size_t j) const noexcept { return lines_.data() + lines_[rows_ + 1 + j]; }
+    /// The number of the first tile of row j <= rows(): in each row there are as many lines and one more.
+    [[nodiscard]] std::size_t first(std::size_t j) const noexcept {
+        return static_cast<std::size_t>(lines_[rows_ + 1 + j]) - 2 * (rows_ + 1) - j;
     }
-    /// The index of the interval of `at` that holds x.
-    [[nodiscard]] static std::size_t find(const Array<int>& at, double x) noexcept {
-        const auto after = std::upper_bound(at.begin() + 1, at.end() - 1, x, [](double a, int b) { return a < b; });
-        return static_cast<std::size_t>(after - at.begin()) - 1;
+    /// Which of `count` intervals between lines holds x.
+    [[nodiscard]] static std::size_t find(const int* at, std::size_t count, double x) noexcept {
+        const auto after = std::upper_bound(at + 1, at + count, x, [](double a, int b) { return a < b; });
+        return static_cast<std::size_t>(after - at) - 1;
     }
-    Array<int> y_;                       ///< the lines between rows, px
-    std::vector<Array<int>> x_;          ///< those in each row
-    std::vector<std::size_t> first_{0};  ///< the number of each row's first tile, and of all tiles
+    std::size_t rows_;
+    /// In px, the lines between rows; then where in this array those within each row begin, and its end; then these.
+    Array<int> lines_;
+};
+
+/// The tilings of phases, of which four take turns: every place is off the lines of one of them at least, and off those of the
+/// first or the second, but for where lines of both cross.
+class Tilings {
+  public:
+    /// Of nearly equal tiles with sides of about `tile` > 0 px.
+    HMESH_COLD Tilings(int width, int height, double tile, Periodic periodic = Periodic::none)
+        : Tilings(TileGrid(width, height, tile), periodic) {}
+    /// Along the lines of a grid.
+    HMESH_COLD explicit Tilings(const TileGrid& grid, Periodic periodic = Periodic::none)
+        : of_phase_{Tiling(grid, false, false, periodic), Tiling(grid, true, true, periodic), Tiling(grid, true, false, periodic),
+                    Tiling(grid, false, true, periodic)} {}
+    /// That of phase number `phase` >= 0.
+    [[nodiscard]] const Tiling& operator[](int phase) const noexcept { return of_phase_[static_cast<std::size_t>(phase & 3)]; }
+
+  private:
+    std::array<Tiling, 4> of_phase_;
 };
 
 }  // namespace hmesh::kit

@@ -135,7 +135,8 @@ class AnnealedRun {
     AnnealedRun(TiledMesh<C>& tiled, std::size_t n, const AnnealedSteps& steps, std::uint64_t seed, double tile, bool is_equal,
                 const Array<Point>& border)
         : tiled_(&tiled), n_(n), steps_(steps), seed_(seed), tile_(tile), is_equal_(is_equal), border_(&border),
-          grid_(tiled.source().width(), tiled.source().height(), tile), has_seams_(tiled.has_seams(tiling(0))) {}
+          tilings_(tiled.source().width(), tiled.source().height(), tile, tiled.source().periodic()),
+          has_seams_(tiled.has_seams(tilings_[0])) {}
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
@@ -151,8 +152,8 @@ class AnnealedRun {
         tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
-                         set_tiles();
-                         tiled_->measure(tiling(0));
+                         lay_tiles();
+                         tiled_->measure(tilings_[0]);
                          return reach();
                      }) &&
                finish();
@@ -177,18 +178,14 @@ class AnnealedRun {
     }
     bool reach() {
         const int first = phase_;
-        return reach_vertex_count(*tiled_, n_, steps_.relaxation, [&](int k) { return tiling(phase_ = first + k); });
+        return reach_vertex_count(*tiled_, n_, steps_.relaxation,
+                                  [&](int k) -> const Tiling& { return tilings_[phase_ = first + k]; });
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
-    /// The tiling of phase k: in any 4 phases in a row, every vertex is within a tile in at least one.
-    [[nodiscard]] Tiling tiling(int phase) const {
-        constexpr bool shift_x[] = {false, true, true, false}, shift_y[] = {false, true, false, true};
-        return Tiling(grid_, shift_x[phase & 3], shift_y[phase & 3], tiled_->source().periodic());
-    }
-    /// Lays the lines of all tilings by the vertices of indexed(), unless tiles are equal.
-    HMESH_COLD void set_tiles() {
+    /// Lays all tilings by the vertices of indexed(), unless tiles are equal.
+    HMESH_COLD void lay_tiles() {
         const ImageSource<C>& source = tiled_->source();
-        if (!is_equal_) grid_ = TileGrid(source.width(), source.height(), tile_, tiled_->indexed().positions);
+        if (!is_equal_) tilings_ = Tilings(TileGrid(source.width(), source.height(), tile_, tiled_->indexed().positions));
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
@@ -229,8 +226,9 @@ class AnnealedRun {
             for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = delaunay_mesh(source, std::move(delaunay));
+            tiled_->indexed() = uncolored_mesh(source, delaunay);
         }
+        take_colors(tiled_->indexed(), source);
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen.
         if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16)) {
@@ -239,9 +237,9 @@ class AnnealedRun {
         }
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
-        set_tiles();
+        lay_tiles();
         progress().set_range(0.9, 0.9);
-        return tiled_->for_each(tiling(0), [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
+        return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
     }
 
     /// A piece of work on a patch.
@@ -252,14 +250,14 @@ class AnnealedRun {
     /// What is done in a patch to some of its vertices, in spatial order.
     using PieceWork = FunctionRef<void(ImageMesh<C>& mesh, const Array<Vertex>& vertices, const Piece& piece)>;
     /// The pieces of a phase are numbered from 0 to this.
-    [[nodiscard]] std::size_t piece_count(int phase) const { return 2 * tiling(phase).size(); }
+    [[nodiscard]] std::size_t piece_count(int phase) const { return 2 * tilings_[phase].size(); }
 
     /// Calls body() for the free vertices of each patch of this phase, which is this part of the stage; before that, where
     /// `has_missed`, for those of them that were locked in the phase before, which did the same.
     bool for_each_piece(bool has_missed, double from, double to, PieceWork body) {
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
-        return tiled_->for_each(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
+        return tiled_->for_each(tilings_[phase_], [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
             if (const Array<Vertex> missed = patch.take_hindered(); has_missed && !missed.empty())
                 body(patch.mesh(), missed, {2 * tile, share});
@@ -272,7 +270,7 @@ class AnnealedRun {
         const auto count = static_cast<double>(tiled_->vertex_count());
         progress().set_range(from, to);
         phase_ ^= 1;
-        return tiled_->for_each_seam(tiling(phase_), [&](Patch<C>& patch, std::size_t tile) {
+        return tiled_->for_each_seam(tilings_[phase_], [&](Patch<C>& patch, std::size_t tile) {
             const double share = static_cast<double>(patch.vertex_count()) / count;
             body(patch.mesh(), patch.take_hindered(), {tile, share});
         });
@@ -313,12 +311,12 @@ class AnnealedRun {
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, seam);
-            remove_cheapest(*tiled_, tiling(phase_), share, steps_.relaxation);
+            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
             if (progress().stopped()) return false;
             if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
                 phase_ ^= 1;
                 progress().set_range(seam, to);
-                remove_cheapest(*tiled_, tiling(phase_), left, steps_.relaxation, true);
+                remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
                 if (progress().stopped()) return false;
             }
             stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;
@@ -330,7 +328,7 @@ class AnnealedRun {
     /// first_price() of the whole mesh, from some thousand vertices.
     [[nodiscard]] HMESH_COLD double measured_price() {
         const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
-        const Tiling tiles = tiling(phase_);
+        const Tiling& tiles = tilings_[phase_];
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
         tiled_->look_at_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
@@ -411,7 +409,7 @@ class AnnealedRun {
     double tile_;
     bool is_equal_;
     const Array<Point>* border_;
-    TileGrid grid_;
+    Tilings tilings_;
     bool has_seams_;  ///< whether vertices are locked in some phases
     int phase_ = 0;   ///< the tiling of the last patches, and of the next
 };
@@ -420,7 +418,7 @@ class AnnealedRun {
 
 /// run(first) runs the stages of a run as planned.
 template <int C, class Run>
-Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
+HMESH_COLD Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, Run&& run) const {
     kit::Array<kit::Point> border;
     if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
     const int width = mesh.source().width(), height = mesh.source().height();

@@ -28,7 +28,8 @@ namespace hmesh::kit {
 /// Apportions `count` items in proportion to `weights` >= 0, item k getting at most caps[k]; where only weights of 0 are left,
 /// equally. The result is of whole numbers, whose sum is `count` or, if less, the sum of the caps. O(size) for each round in
 /// which a cap is reached, at most `size` rounds.
-[[nodiscard]] inline Array<std::size_t> apportion(std::size_t count, Array<double> weights, const Array<std::size_t>& caps) {
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> apportion(std::size_t count, Array<double> weights,
+                                                             const Array<std::size_t>& caps) {
     const std::size_t size = weights.size();
     Array<std::size_t> out(size, 0);
     Array<unsigned char> full(size, 0);
@@ -135,7 +136,7 @@ HMESH_COLD bool insert_best(TiledMesh<C>& tiled, const Tiling& tiling, std::size
 /// and none of them can be removed.
 template <int C>
 HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Relaxation& relaxation,
-                                   FunctionRef<Tiling(int k)> tiling_of) {
+                                   FunctionRef<const Tiling&(int k)> tiling_of) {
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
     auto [from, to] = tiled.progress().range();
@@ -144,7 +145,7 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
     for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
         tiled.progress().set_range(from, 0.5 * (from + to));
         from = 0.5 * (from + to);
-        const Tiling tiling = tiling_of(k / 4 + stuck);
+        const Tiling& tiling = tiling_of(k / 4 + stuck);
         const std::size_t batch = (count() + 31) / 32;
         const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, std::min(count() - n, batch), relaxation) > 0
                                        : detail::insert_best(tiled, tiling, n - count());
@@ -158,9 +159,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
 /// The same in patches of about `tile` px.
 template <int C>
 HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double tile, const Relaxation& relaxation = {}) {
-    return reach_vertex_count(tiled, n, relaxation, [&](int k) {
-        return Tiling(tiled.source().width(), tiled.source().height(), tile, (k & 2) == 0, (k & 1) == 0);
-    });
+    const Tilings tilings(tiled.source().width(), tiled.source().height(), tile, tiled.source().periodic());
+    return reach_vertex_count(tiled, n, relaxation, [&](int k) -> const Tiling& { return tilings[k]; });
 }
 
 }  // namespace hmesh::kit

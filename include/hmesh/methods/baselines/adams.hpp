@@ -39,9 +39,12 @@ namespace kit::detail {
 template <int C>
 bool triangulate_pixels(TiledMesh<C>& tiled, const Array<std::uint32_t>& pixels) {
     const ImageSource<C>& source = tiled.source();
-    Delaunay mesh(source.width(), source.height(), source.samples());
-    if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
-    tiled.indexed() = delaunay_mesh(source, std::move(mesh));
+    {
+        Delaunay mesh(source.width(), source.height(), source.samples());
+        if (!insert_pixels(mesh, pixels, [&] { return tiled.progress().poll(); })) return false;
+        tiled.indexed() = uncolored_mesh(source, mesh);
+    }
+    take_colors(tiled.indexed(), source);
     tiled.progress().set_range(1, 1);
     return tiled.for_each(one_tile(source), [](Patch<C>&, std::size_t) {});  // makes the patch, which has the energy
 }
