@@ -2,8 +2,8 @@
 //
 // FOLDER is what scripts/web.sh makes, the images are photographs, of which the first is the photo of 0.4 Mpx, and all of which
 // make a mosaic of 12 Mpx. Prints the medians of N rounds, by default 3, and their least and largest: what a user waits for,
-// counted by the page's own clock from the event to the frame that shows it, and how long the page's main thread is held. Needs
-// playwright-core where NODE_PATH finds it, and a machine that does nothing else.
+// counted by the page's own clock from the event to the frame that shows it, how long the page's main thread is held, and how much
+// memory its process has had, which Linux tells. Needs playwright-core where NODE_PATH finds it, and a machine that does nothing else.
 import { createRequire } from 'node:module';
 import { spawn } from 'node:child_process';
 import { readFileSync } from 'node:fs';
@@ -65,6 +65,17 @@ async function drop(page, base64, name) {
   return { draft: times.drafts[0] - times.from, end: times.ends[0] - times.from, longest: longest.dur / 1000,
     busiest: Math.max(...tasks.map(({ tdur = 0 }) => tdur)) / 1000 };
 }
+// The most memory that a page's process has had, MiB: of the largest one, since each page has its own.
+async function peakMemory() {
+  const session = await browser.newBrowserCDPSession();
+  const { processInfo } = await session.send('SystemInfo.getProcessInfo');
+  const peaks = processInfo.filter(({ type }) => type === 'renderer').map(({ id }) => {
+    const told = /VmHWM:\s*(\d+) kB/.exec(readFileSync(`/proc/${id}/status`, 'latin1'));
+    return told ? told[1] / 1024 : NaN;
+  });
+  await session.detach();
+  return Math.max(...peaks);
+}
 async function slide(page, value) {
   await page.waitForTimeout(500); // all is drawn
   return page.evaluate(async (to) => {
@@ -83,7 +94,7 @@ const server = spawn(process.execPath, [join(here, 'serve.mjs'), folder, '0'], {
 const address = String(await new Promise((resolve) => server.stdout.once('data', resolve))).trim();
 const browser = await chromium.launch({
   executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
-  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--enable-precise-memory-info'],
+  args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
 });
 console.log(`Chromium ${browser.version()}, load ${loadavg()[0].toFixed(1)} at the start`);
 
@@ -119,6 +130,7 @@ for (let round = 0; round < rounds; round++)
       await page.goto(address);
       await page.waitForLoadState('networkidle');
       await page.evaluate(watch);
+      note('no photo yet: memory of the page\'s process at most', await peakMemory(), 'MiB');
       await page.evaluate((value) => { document.getElementById('limit').value = value; }, limit);
       const what = limit === '2' ? size : `${size}, not scaled`;
       const opened = await drop(page, photo, 'photo.jpg');
@@ -126,10 +138,7 @@ for (let round = 0; round < rounds; round++)
       note(`${what}: dropped to normal`, opened.end);
       note(`${what}: longest task of the main thread`, opened.longest);
       note(`${what}: its tasks' most time of a processor`, opened.busiest);
-      const memory = await page.evaluate(() => (performance.measureUserAgentSpecificMemory
-        ? Promise.race([performance.measureUserAgentSpecificMemory().then(({ bytes }) => bytes),
-          new Promise((resolve) => { setTimeout(resolve, 30000, NaN); })]) : NaN));
-      note(`${what}: memory of the page and its workers`, memory / 1048576, 'MiB');
+      note(`${what}: memory of the page's process at most`, await peakMemory(), 'MiB');
       if (limit === '2')
         for (const place of [40, 70, 100, 130]) {
           const { draft, vertices } = await slide(page, place);
