@@ -405,19 +405,21 @@ enum class Errc : std::uint8_t {
 
 /// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
-    Errc code = Errc::ok;   ///< kind of failure
-    const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
-    double value = 0;       ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
-    /// The bound that `value` violates; of read_failed the rows. Both are 0 where the sentence says all.
+    Errc code = Errc::ok;    ///< kind of failure
+    bool has_value = false;  ///< whether there is an offending number; else the sentence says all
+    const char* what = "";   ///< a sentence without numbers, in static memory; empty on success
+    double value = 0;        ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
+    /// The bound that `value` violates, 0 where there is none to tell; of read_failed the rows.
     double limit = 0;
 
     /// Success.
     constexpr Status() noexcept = default;
-    /// A failure. `sentence` must be in static memory; `offending` and `bound` are of any arithmetic type (64-bit integers keep
-    /// 53 bits).
-    template <class Value = int, class Limit = int>
-    constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
-        : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
+    /// A failure. `sentence` must be in static memory.
+    constexpr Status(Errc kind, const char* sentence) noexcept : code(kind), what(sentence) {}
+    /// The same with numbers, which are of any arithmetic type (64-bit integers keep 53 bits).
+    template <class Value, class Limit = int>
+    constexpr Status(Errc kind, const char* sentence, Value offending, Limit bound = 0) noexcept
+        : code(kind), has_value(true), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
 
     /// Whether the outcome is success.
     constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
@@ -516,7 +518,7 @@ namespace kit {
     }
     // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
     const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
-    if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
+    if (status.has_value) {
         out << " (" << status.value;
         if (has_limit) out << ", limit " << status.limit;
         out << ")";
@@ -705,12 +707,12 @@ struct Mesh {
     if (mesh.vertex_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (!is_empty && (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr))
-        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
+        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces"};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
                 most_channels};
     if (!kit::is_finite(mesh.peak) || mesh.peak <= 0)
-        return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
+        return {Errc::invalid_argument, "the mesh's peak must be positive and finite"};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
         if (!kit::is_finite(mesh.positions[i]))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",
@@ -2298,7 +2300,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
     if (!deflate) return {};
     std::vector<unsigned char> out;
     if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
-        return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+        return {Errc::write_failed, "the compressor failed, before the first byte was written"};
     bytes.swap(out);
     return {};
 }
@@ -3109,7 +3111,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
         }
         std::vector<unsigned char>& out = file.compressed.emplace_back();
         if (!compress({woven.data(), count, stride, head.is_indices}, out) || out.empty())
-            return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+            return {Errc::write_failed, "the compressor failed, before the first byte was written"};
     }
     return {};
 }
@@ -3302,7 +3304,7 @@ inline void bound_positions(const MeshView& mesh, const GlbGrid& grid, GlbArray&
 /// Refuses a longer side that is no length.
 [[nodiscard]] inline Status check_longer_side(double length) noexcept {
     if (kit::is_within(length, 0, static_cast<double>(std::numeric_limits<float>::max()))) return {};
-    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0"};
 }
 
 /// Where the first mesh of the file is, and how large.
@@ -4389,9 +4391,9 @@ namespace detail {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
         return status;
     if (options.title == nullptr || options.figures == nullptr || options.notes == nullptr)
-        return {Errc::invalid_argument, "the title, the figures and the notes must be texts", 0, 0};
+        return {Errc::invalid_argument, "the title, the figures and the notes must be texts"};
     if (options.original != nullptr && !is_media_type(options.original_type))
-        return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
+        return {Errc::invalid_argument, "the original's media type must be such as image/png"};
     if (options.original_orientation < 1 || options.original_orientation > 8)
         return {Errc::invalid_argument, "the original's orientation must be from 1 to 8",
                 static_cast<double>(options.original_orientation), options.original_orientation < 1 ? 1.0 : 8.0};
@@ -5990,7 +5992,7 @@ template <class T, int C>
     if (view.height > kit::max_side) return {Errc::image_too_large, "the image is too high", view.height, kit::max_side};
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > kit::max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, kit::max_pixels};
-    if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
+    if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null"};
     // Where a row begins is a pointer difference, which has 32 bits on some machines; no processor addresses more than 2^57.
     constexpr std::int64_t farthest =
         sizeof(std::ptrdiff_t) < 8 ? std::int64_t{std::numeric_limits<std::ptrdiff_t>::max()} : std::int64_t{1} << 57U;
@@ -6373,7 +6375,7 @@ namespace hmesh::kit {
     for (const double weight : weights)
         if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
     if (*std::max_element(weights.begin(), weights.end()) == 0)
-        return {Errc::invalid_argument, "the weights of the channels are all 0", 0, 0};
+        return {Errc::invalid_argument, "the weights of the channels are all 0"};
     return {};
 }
 
@@ -15868,6 +15870,7 @@ class BestResult {
     explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
+    [[nodiscard]] const Mesh& mesh() const noexcept { return result_.mesh; }                 ///< its mesh
     [[nodiscard]] double vertices() const noexcept { return static_cast<double>(result_.report.vertices); }  ///< that it has
     /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
     /// reached the PSNR before.
@@ -15981,11 +15984,12 @@ class PsnrCurve {
     return best.take();
 }
 
-/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
-/// 1 to 2 % more vertices than those that the method would need from the start, and may have fewer: a mesh gets better with each
-/// run that goes on from it.
+/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices, also of up to twice as
+/// many as `most`, and at most `all`, where it seems that as many are needed: coming down from these it may do with what is
+/// allowed. The result has at most 1 to 2 % more vertices than those that the method would need from the start, and may have
+/// fewer: a mesh gets better with each run that goes on from it. Cancelled, it may have more than `most`.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
-    double psnr, const Trials& trials, std::size_t first, std::size_t most,
+    double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
     constexpr double likely_enough = 1.05;  // times what is foretold, since growing costs more than losing what was too much
     // In doublings of the vertices:
@@ -15998,9 +16002,11 @@ class PsnrCurve {
     constexpr double is_touched = 0.08;  // up to where little work keeps the mesh as good
     constexpr double is_trimmed = 0.015;  // by which it may grow without annealing
     constexpr double is_sketched = 0.6;   // up to where a sketch tells enough for the whole run
+    constexpr int most_refined = 3;       // meshes of the most vertices that come down from more
     const auto doublings = [](double from, double to) { return std::log2(to / from); };
+    std::size_t limit = std::max(most, std::min(all, 2 * most));
     const auto allowed = [&](double n) {
-        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(most), n))));
+        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(limit), n))));
     };
 
     Result rough;                              // the last one but the very last; without a mesh at first
@@ -16037,7 +16043,8 @@ class PsnrCurve {
         rough = std::move(sketch);
     }
 
-    if (trials.draft < 1) n = allowed(likely_enough * static_cast<double>(n));
+    if (limit < all && (!curve || curve->count(psnr) > static_cast<double>(limit))) limit = most;  // more would be of no use
+    n = allowed((trials.draft < 1 ? likely_enough : 1) * static_cast<double>(n));
     Result whole = mesh_from(n, {});
     if (!whole.status) return better_of(std::move(whole));
     double now = whole.report.psnr;
@@ -16047,19 +16054,20 @@ class PsnrCurve {
     detail::BestResult best(psnr, std::move(whole));
     double grown = 0;  // doublings by which it grew, but for what annealing has made up for since
     double spent = 0;  // whole runs since then
+    std::size_t most_whole = n;
     for (int runs = 1; runs < 20; ++runs) {
         const auto count = static_cast<double>(n);
         const double needed = is_finite(now) ? curve->count(psnr) : count / 2, excess = doublings(needed, count);
         // Where no more are allowed, a refinement may make up for a few that lack.
         if (now >= psnr ? n == 4 || (excess <= near_enough && grown <= is_made_up)
-                        : n == most && (spent >= 0.5 || excess < -is_touched))
+                        : n == limit && (spent >= 0.5 || excess < -is_touched))
             break;
         if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
         // Rather too many than too few, and the more so the farther away: a trim costs next to nothing.
         double aim = needed * (1.003 + std::min(0.035, 0.07 * std::abs(excess)));
         if (doublings(count, aim) > most_more) aim = 1.2 * needed;  // a curve that promised so much too much still does
         std::size_t next = allowed(aim);
-        if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, most);
+        if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, limit);
         const double growth = doublings(count, static_cast<double>(next));
         const Work work = growth > most_more || growth < -most_fewer   ? Work::whole
                           : std::abs(growth) > is_touched || next == n ? Work::refine
@@ -16070,13 +16078,34 @@ class PsnrCurve {
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
         if (is_finite(now)) curve->pass(next, now, goes_on(work));
+        if (work == Work::whole) most_whole = std::max(most_whole, next);
         spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : work == Work::touch ? 0.2 : 0.1;
         if (work == Work::whole) grown = 0;
         else if (work != Work::trim) grown = grown / 2 + std::max(0.0, growth);
         n = next;
         last = std::move(reached);
     }
-    return best.take();
+    // What went on from mesh to mesh may be stuck below the PSNR, which whole runs are not.
+    for (n = std::min(n, most); best.is_ok() && !best.is_reached() && most_whole < most; most_whole = n) {
+        n = most_whole < n ? n : std::min(most, 2 * n);
+        (void)best.offer(mesh_from(n, {}));
+    }
+    Result found = best.take();
+    if (found.report.vertices <= most || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
+    detail::BestResult allowed_one(psnr, mesh_from(most, {&found.mesh, Work::refine}));
+    for (int k = 1; k < most_refined && allowed_one.is_ok() && !allowed_one.is_reached(); ++k)
+        (void)allowed_one.offer(mesh_from(most, {&allowed_one.mesh(), Work::refine}));
+    return allowed_one.take();
+}
+
+/// The search of a method.
+using PsnrSearch = Result(double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
+                          FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from);
+/// That of a method that cannot go on: fewest_vertices(), which `trials` and `all` mean nothing to.
+[[nodiscard]] inline Result fewest_vertices_anew(double psnr, const Trials& /*trials*/, std::size_t first, std::size_t most,
+                                                 std::size_t /*all*/,
+                                                 FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
+    return fewest_vertices(psnr, first, most, [&](std::size_t n) { return mesh_from(n, {}); });
 }
 
 }  // namespace hmesh::kit
@@ -16109,7 +16138,8 @@ struct RecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;           // whether run() knows beginnings other than the first
-    kit::Trials trials;  // where it does
+    kit::PsnrSearch* search;  // for a PSNR, of such recipes or of others: a pointer, so that a program has the one it needs
+    kit::Trials trials;       // where it does
 };
 
 /// What is meshed.
@@ -16258,8 +16288,8 @@ template <int C>
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };
-    const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        if (!recipe.can_go_on) return run(n, {}, progress.next());
         const auto work_of = [&](kit::Work work) {
             return recipe.work(n, {kit::goes_on(work) ? &any : nullptr, work});
         };
@@ -16267,8 +16297,8 @@ template <int C>
     };
     const double peak = subject.image->peak();
     const auto search = [&](double psnr, double first, std::size_t limit) {
-        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.trials, share(first), limit, mesh_from)
-                                : kit::fewest_vertices(psnr, std::min(limit, share(1)), limit, mesh_of);
+        return recipe.search(psnr, recipe.trials, std::min(limit, share(recipe.can_go_on ? first : 1)), limit,
+                             static_cast<std::size_t>(all), mesh_from);
     };
     if (target.kind != Target::Kind::psnr) {
         // Most images need what they are given: their one run comes first, and is that of a target without good_enough.
@@ -16299,6 +16329,7 @@ struct ImageRecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;
+    kit::PsnrSearch* search;
     kit::Trials trials;
     bool takes_view;  // whether run() looks at the image
     const char* no_periodic;  // why the recipe refuses periodic images; null: it does not
@@ -16390,7 +16421,7 @@ template <class T, int C>
         const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
             return recipe.run(mesh, image, n, from);
         };
-        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.trials};
+        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.search, recipe.trials};
         result = mesh_target(subject, reference, options, parallel_for);
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
@@ -16464,12 +16495,18 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
         else return static_cast<double>(n);
     };
     kit::Trials trials;
-    if constexpr (detail::can_go_on<Recipe>) trials = recipe.trials();
+    kit::PsnrSearch* search = nullptr;
+    if constexpr (detail::can_go_on<Recipe>) {
+        trials = recipe.trials();
+        search = &kit::fewest_vertices_going_on;
+    } else {
+        search = &kit::fewest_vertices_anew;
+    }
     const Colors colors = options.colors.value_or(Recipe::colors);
     const char* no_periodic = nullptr;
     if constexpr (!detail::can_be_periodic<Recipe>) no_periodic = detail::no_periodic<Recipe>.data();
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, trials,
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, search, trials,
                                                           detail::wants_view<Recipe, T, C>, no_periodic},
                              parallel_for);
 }
@@ -17224,7 +17261,7 @@ class LinearLight {
     if (const Status status = check(mesh, channels); !status) return status;
     if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
-        return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
+        return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied"};
     if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};
     if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };

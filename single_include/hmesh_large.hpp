@@ -68,7 +68,7 @@ template <class T, int C>
     if (reader.height < 1) return {Errc::invalid_argument, "the image's height must be at least 1", reader.height, 1};
     if (reader.width > kit::max_side) return {Errc::image_too_large, "the image is too wide", reader.width, kit::max_side};
     if (reader.height > kit::max_side) return {Errc::image_too_large, "the image is too high", reader.height, kit::max_side};
-    if (!reader.read) return {Errc::invalid_argument, "the image's reader has no function", 0, 0};
+    if (!reader.read) return {Errc::invalid_argument, "the image's reader has no function"};
     return {};
 }
 
@@ -472,7 +472,7 @@ Result mesh_image(const ImageReader<T, C>& reader, const Options& options, const
     const kit::ReadImage<T, C> image(reader, options.premultiplied);
     return detail::mesh_read<T, C>(image, options,
                                    {tile_size, run, work, options.colors.value_or(Annealed::colors), true,
-                                    recipe.trials()},
+                                    &kit::fewest_vertices_going_on, recipe.trials()},
                                    parallel_for);
 }
 

@@ -240,7 +240,9 @@ TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves w
 struct Goer {
     double draft = 0.5, sketch = 0.8, slope = 1.6, at_1000 = 30;
     double bend = 0;  // by which the slope grows with each doubling
+    double won = 0;   // dB by each run that goes on from a mesh, at most three times
     double cost = 0;  // in whole runs of the final number of vertices, once divided by it
+    int went_on = 0;
     std::vector<std::size_t> asked;
     std::vector<hmesh::kit::Work> works;
     int cancel_at = -1;
@@ -260,6 +262,8 @@ struct Goer {
         }
         Result result;
         result.report.psnr = psnr_of((from.work == Work::sketch ? sketch : from.work == Work::draft ? draft : 1) * count);
+        went_on = from.mesh == nullptr ? 0 : std::min(3, went_on + 1);
+        result.report.psnr += won * went_on;
         result.report.vertices = n;
         result.mesh.positions.resize(2 * n);
         result.mesh.faces.resize(1);
@@ -287,7 +291,8 @@ TEST_CASE("a search that goes on reaches the PSNR within 1 to 2 % of the fewest 
                         goer.draft = draft;
                         goer.slope = slope;
                         goer.bend = bend;
-                        const Result result = hmesh::kit::fewest_vertices_going_on(psnr, {0.5, sketch}, 250, 100000, goer);
+                        const Result result =
+                            hmesh::kit::fewest_vertices_going_on(psnr, {0.5, sketch}, 250, 100000, 100000, goer);
                         CHECK(result.status);
                         CHECK(result.report.psnr >= psnr);
                         CHECK(goer.psnr_of(static_cast<double>(result.report.vertices) / 1.025 - 1) < psnr);
@@ -306,13 +311,13 @@ TEST_CASE(
     "a search that goes on ends with the best mesh where the PSNR is out of reach, and with that so far where it is cancelled") {
     const hmesh::kit::Trials trials{0.5, 0.8};
     Goer poor;
-    const Result result = hmesh::kit::fewest_vertices_going_on(60, trials, 250, 4000, poor);
+    const Result result = hmesh::kit::fewest_vertices_going_on(60, trials, 250, 4000, 4000, poor);
     CHECK(result.status.code == Errc::target_out_of_range);
     CHECK(result.report.vertices == 4000);
     for (int k = 0; k < 6; ++k) {
         Goer goer;
         goer.cancel_at = k;
-        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, goer);
+        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, 100000, goer);
         if (goer.asked.size() > static_cast<std::size_t>(k) + 1) continue;  // only a sketch was cut: the next run says so itself
         CHECK((cut.status.code == Errc::cancelled || goer.asked.size() <= static_cast<std::size_t>(k)));
     }
@@ -321,14 +326,56 @@ TEST_CASE(
         Goer goer;
         goer.at_1000 = -200;
         goer.cancel_at = k;
-        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, goer);
+        const Result cut = hmesh::kit::fewest_vertices_going_on(33.0, trials, 250, 100000, 100000, goer);
         CHECK(cut.status.code == Errc::cancelled);
         CHECK(cut.has_mesh());
     }
     Goer flat;
     flat.slope = 0;
     flat.at_1000 = std::numeric_limits<double>::infinity();
-    const Result constant = hmesh::kit::fewest_vertices_going_on(40, trials, 250, 100000, flat);
+    const Result constant = hmesh::kit::fewest_vertices_going_on(40, trials, 250, 100000, 100000, flat);
     CHECK(constant.status);
     CHECK(constant.report.vertices == 4);
+}
+
+TEST_CASE("a limit of the vertices that a search takes without one is met, however much going on wins, and so is a larger one") {
+    for (const double won : {0.0, 0.1, 0.3, 0.6})
+        for (const double draft : {0.5, 1.0})
+            for (const double psnr : {26.0, 30.0, 33.5}) {
+                CAPTURE(won);
+                CAPTURE(draft);
+                CAPTURE(psnr);
+                Goer goer;
+                goer.won = won;
+                goer.draft = draft;
+                const hmesh::kit::Trials trials{draft, 0};
+                const Result free = hmesh::kit::fewest_vertices_going_on(psnr, trials, 250, 100000, 100000, goer);
+                REQUIRE(free.status);
+                for (const double more : {1.0, 1.03, 1.2}) {
+                    Goer again;
+                    again.won = won;
+                    again.draft = draft;
+                    const auto most = static_cast<std::size_t>(more * static_cast<double>(free.report.vertices));
+                    const Result bound =
+                        hmesh::kit::fewest_vertices_going_on(psnr, trials, std::min<std::size_t>(250, most), most, 100000, again);
+                    CHECK(bound.status);
+                    CHECK(bound.report.vertices <= most);
+                }
+                // Half of them do not do, and the best mesh of so many is told.
+                Goer less;
+                less.draft = draft;
+                const std::size_t half = free.report.vertices / 2;
+                const Result missed =
+                    hmesh::kit::fewest_vertices_going_on(psnr + 4, trials, std::min<std::size_t>(250, half), half, 100000, less);
+                CHECK(missed.status.code == Errc::target_out_of_range);
+                CHECK(missed.report.vertices == half);
+            }
+}
+
+TEST_CASE("where going on from mesh to mesh is stuck below the PSNR, whole runs reach it") {
+    Goer stuck;
+    stuck.won = -3;
+    const Result result = hmesh::kit::fewest_vertices_going_on(33.0, {0.3, 0}, 250, 6000, 6000, stuck);
+    CHECK(result.status);
+    CHECK(result.report.psnr >= 33);
 }

@@ -45,3 +45,10 @@ TEST_CASE("a Status holds numbers of every arithmetic type as doubles, and 0 whe
     constexpr Status known{Errc::not_finite, "a constant", -1.5};
     static_assert(!known && known.value == -1.5 && known.limit == 0, "usable at compile time");
 }
+
+TEST_CASE("a sentence has its number also where that is 0, and none where none was given") {
+    CHECK(std::string(hmesh::message(Status(Errc::not_finite, "the image has a sample that is NaN, in row", 0)).c_str()) ==
+          "the image has a sample that is NaN, in row (0)");
+    CHECK(std::string(hmesh::message(Status(Errc::invalid_argument, "the mesh is not periodic")).c_str()) ==
+          "the mesh is not periodic");
+}

@@ -44,7 +44,8 @@ struct RecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;           // whether run() knows beginnings other than the first
-    kit::Trials trials;  // where it does
+    kit::PsnrSearch* search;  // for a PSNR, of such recipes or of others: a pointer, so that a program has the one it needs
+    kit::Trials trials;       // where it does
 };
 
 /// What is meshed.
@@ -193,8 +194,8 @@ template <int C>
         if (options.psnr_of && result.has_mesh()) result.report.psnr = options.psnr_of(result.mesh, result.report.psnr);
         return result;
     };
-    const auto mesh_of = [&](std::size_t n) { return run(n, {}, progress.next()); };
     const auto mesh_from = [&](std::size_t n, const kit::Beginning& from) {
+        if (!recipe.can_go_on) return run(n, {}, progress.next());
         const auto work_of = [&](kit::Work work) {
             return recipe.work(n, {kit::goes_on(work) ? &any : nullptr, work});
         };
@@ -202,8 +203,8 @@ template <int C>
     };
     const double peak = subject.image->peak();
     const auto search = [&](double psnr, double first, std::size_t limit) {
-        return recipe.can_go_on ? kit::fewest_vertices_going_on(psnr, recipe.trials, share(first), limit, mesh_from)
-                                : kit::fewest_vertices(psnr, std::min(limit, share(1)), limit, mesh_of);
+        return recipe.search(psnr, recipe.trials, std::min(limit, share(recipe.can_go_on ? first : 1)), limit,
+                             static_cast<std::size_t>(all), mesh_from);
     };
     if (target.kind != Target::Kind::psnr) {
         // Most images need what they are given: their one run comes first, and is that of a target without good_enough.
@@ -234,6 +235,7 @@ struct ImageRecipeRef {
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
     bool can_go_on;
+    kit::PsnrSearch* search;
     kit::Trials trials;
     bool takes_view;  // whether run() looks at the image
     const char* no_periodic;  // why the recipe refuses periodic images; null: it does not
@@ -325,7 +327,7 @@ template <class T, int C>
         const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
             return recipe.run(mesh, image, n, from);
         };
-        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.trials};
+        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.search, recipe.trials};
         result = mesh_target(subject, reference, options, parallel_for);
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
@@ -399,12 +401,18 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
         else return static_cast<double>(n);
     };
     kit::Trials trials;
-    if constexpr (detail::can_go_on<Recipe>) trials = recipe.trials();
+    kit::PsnrSearch* search = nullptr;
+    if constexpr (detail::can_go_on<Recipe>) {
+        trials = recipe.trials();
+        search = &kit::fewest_vertices_going_on;
+    } else {
+        search = &kit::fewest_vertices_anew;
+    }
     const Colors colors = options.colors.value_or(Recipe::colors);
     const char* no_periodic = nullptr;
     if constexpr (!detail::can_be_periodic<Recipe>) no_periodic = detail::no_periodic<Recipe>.data();
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, trials,
+                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, search, trials,
                                                           detail::wants_view<Recipe, T, C>, no_periodic},
                              parallel_for);
 }

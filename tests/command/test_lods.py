@@ -129,6 +129,12 @@ def test_nonsense_is_refused(hmesh, options, sentence):
     assert sorted(Path().iterdir()) == before
 
 
+def test_levels_that_were_not_made_are_not_said_to_be_written(hmesh):
+    run = hmesh.run("grey.pgm --samples points --border-tolerance 0 --vertices 200 --lods 4 -o x.ply")
+    said = [line.split()[-1] for line in run.stdout.splitlines() if line.startswith("written")]
+    assert run.returncode == 1 and 0 < len(said) < 4 and sorted(said) == sorted(str(file) for file in Path().glob("x*.ply"))
+
+
 def test_more_levels_than_vertices_allow_are_refused_and_nothing_is_written(hmesh):
     for target in ("--vertices 31", "--rate 0.5"):  # of 6144 pixels: 31
         hmesh.fails("'picture.png': --lods 4 is too many for 31 vertices: a mesh has at least 4, and level 3 would have 3; at most "

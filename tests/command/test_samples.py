@@ -2,6 +2,7 @@
 import json
 import re
 import struct
+from pathlib import Path
 
 import pytest
 
@@ -65,6 +66,12 @@ def test_images_that_share_a_column_share_its_vertices(hmesh):
     west = sorted(v[1:] for v in vertices("west.ply") if v[0] == 49)
     east = sorted(v[1:] for v in vertices("east.ply") if v[0] == 0)
     assert len(west) > 2 and west == east
+
+
+def test_fewer_vertices_than_the_sides_need_are_refused_and_nothing_is_written(hmesh):
+    for target in ("--vertices 5", "--psnr 20"):
+        hmesh.fails("more vertices than it may have", f"grey.pgm {target} --samples points --border-tolerance 0 -o mesh.ply")
+        assert not Path("mesh.ply").exists()
 
 
 @pytest.mark.parametrize("options, sentence", [

@@ -117,6 +117,14 @@ def test_vertices_go_where_they_are_worth_most(hmesh):
     assert counts[True] > 1.5 * counts[False]
 
 
+def test_a_job_is_not_joined_into_its_own_files(hmesh):
+    plan(hmesh)
+    finish(hmesh)
+    for own in ("job", "job/tiles", "./job/../job/tiles"):
+        hmesh.fails("holds the job's own files: join into another folder", f"job join job -o {own} --format glb")
+    assert hmesh.run("job status job").returncode == 0
+
+
 @pytest.mark.parametrize("kind", ["glb", "ply"])
 def test_tiles_in_a_folder_stand_in_their_places_and_meet_bit_for_bit(hmesh, kind):
     plan(hmesh)

@@ -294,12 +294,17 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
+    // The mesh of four corners has not the sides that were asked for.
+    if (options.border_tolerance && outcome.status.code == hmesh::Errc::target_out_of_range && outcome.report.vertices == 4)
+        return {sentence + "; nothing is written"};
     if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
         return {input_words(arguments.input) + ": " + why + "; nothing is written"};
     made.levels.emplace_back().outcome = std::move(outcome);
     for (hmesh::Result& level : lods.levels) made.levels.emplace_back().outcome = std::move(level);
     if (std::string why = finish_levels(arguments, image, options, is_set, *pool, watch, made); !why.empty())
         return {what_is_made(arguments) + ": " + why};
+    for (MeshFile& mesh : arguments.meshes)  // what was made of the levels, where it ended early
+        mesh.coarser.resize(std::min(mesh.coarser.size(), made.levels.size() - 1));
     const auto& [finest, light, sprite] = made.finest();
     const hmesh::Status& status = finest.status;
     const bool has_missed = options.psnr_of && status.code == hmesh::Errc::target_out_of_range;

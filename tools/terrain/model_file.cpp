@@ -47,7 +47,7 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
             return hmesh::write_quantized_mesh(mesh, samples, sink, globe);
         }
     }
-    return {hmesh::Errc::invalid_argument, "the file has no format", 0, 0};
+    return {hmesh::Errc::invalid_argument, "the file has no format"};
 }
 
 }  // namespace terrain

@@ -46,7 +46,8 @@ std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<T
         if (name.x >= across || name.y >= down)
             return "--only '" + std::to_string(name.x) + "_" + std::to_string(name.y) + "' is not one of the " +
                    std::to_string(across) + " x " + std::to_string(down) + " tiles of '" + arguments.input + "'";
-        add(name);
+        const std::string file = tile_file(arguments.output, name);  // a tile named twice is made once
+        if (std::none_of(tiles.begin(), tiles.end(), [&](const Tile& tile) { return tile.file == file; })) add(name);
     }
     if (!tiles.empty()) return {};
     for (int y = 0; y < down; ++y)

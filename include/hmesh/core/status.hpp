@@ -32,19 +32,21 @@ enum class Errc : std::uint8_t {
 
 /// The outcome of a function that checks its input. Converts to true on success.
 struct [[nodiscard]] Status {
-    Errc code = Errc::ok;   ///< kind of failure
-    const char* what = "";  ///< a sentence without numbers, in static memory; empty on success
-    double value = 0;       ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
-    /// The bound that `value` violates; of read_failed the rows. Both are 0 where the sentence says all.
+    Errc code = Errc::ok;    ///< kind of failure
+    bool has_value = false;  ///< whether there is an offending number; else the sentence says all
+    const char* what = "";   ///< a sentence without numbers, in static memory; empty on success
+    double value = 0;        ///< the offending number; of read_failed the columns of the rectangle, by kit::pack_span()
+    /// The bound that `value` violates, 0 where there is none to tell; of read_failed the rows.
     double limit = 0;
 
     /// Success.
     constexpr Status() noexcept = default;
-    /// A failure. `sentence` must be in static memory; `offending` and `bound` are of any arithmetic type (64-bit integers keep
-    /// 53 bits).
-    template <class Value = int, class Limit = int>
-    constexpr Status(Errc kind, const char* sentence, Value offending = 0, Limit bound = 0) noexcept
-        : code(kind), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
+    /// A failure. `sentence` must be in static memory.
+    constexpr Status(Errc kind, const char* sentence) noexcept : code(kind), what(sentence) {}
+    /// The same with numbers, which are of any arithmetic type (64-bit integers keep 53 bits).
+    template <class Value, class Limit = int>
+    constexpr Status(Errc kind, const char* sentence, Value offending, Limit bound = 0) noexcept
+        : code(kind), has_value(true), what(sentence), value(static_cast<double>(offending)), limit(static_cast<double>(bound)) {}
 
     /// Whether the outcome is success.
     constexpr explicit operator bool() const noexcept { return code == Errc::ok; }
@@ -143,7 +145,7 @@ namespace kit {
     }
     // Bitwise, so that NaN counts as a number that is there even where compilers are told of finite ones only.
     const bool has_limit = !kit::is_finite(status.limit) || status.limit != 0;
-    if (has_limit || !kit::is_finite(status.value) || status.value != 0) {
+    if (status.has_value) {
         out << " (" << status.value;
         if (has_limit) out << ", limit " << status.limit;
         out << ")";

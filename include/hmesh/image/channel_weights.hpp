@@ -34,7 +34,7 @@ namespace hmesh::kit {
     for (const double weight : weights)
         if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
     if (*std::max_element(weights.begin(), weights.end()) == 0)
-        return {Errc::invalid_argument, "the weights of the channels are all 0", 0, 0};
+        return {Errc::invalid_argument, "the weights of the channels are all 0"};
     return {};
 }
 

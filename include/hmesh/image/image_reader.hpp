@@ -52,7 +52,7 @@ template <class T, int C>
     if (reader.height < 1) return {Errc::invalid_argument, "the image's height must be at least 1", reader.height, 1};
     if (reader.width > kit::max_side) return {Errc::image_too_large, "the image is too wide", reader.width, kit::max_side};
     if (reader.height > kit::max_side) return {Errc::image_too_large, "the image is too high", reader.height, kit::max_side};
-    if (!reader.read) return {Errc::invalid_argument, "the image's reader has no function", 0, 0};
+    if (!reader.read) return {Errc::invalid_argument, "the image's reader has no function"};
     return {};
 }
 

@@ -155,7 +155,7 @@ template <class T, int C>
     if (view.height > kit::max_side) return {Errc::image_too_large, "the image is too high", view.height, kit::max_side};
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     if (pixels > kit::max_pixels) return {Errc::image_too_large, "the image has too many pixels", pixels, kit::max_pixels};
-    if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null", 0, 0};
+    if (view.data == nullptr) return {Errc::invalid_argument, "the image's data pointer is null"};
     // Where a row begins is a pointer difference, which has 32 bits on some machines; no processor addresses more than 2^57.
     constexpr std::int64_t farthest =
         sizeof(std::ptrdiff_t) < 8 ? std::int64_t{std::numeric_limits<std::ptrdiff_t>::max()} : std::int64_t{1} << 57U;

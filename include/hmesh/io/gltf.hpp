@@ -144,7 +144,7 @@ inline void bound_positions(const MeshView& mesh, const GlbGrid& grid, GlbArray&
 /// Refuses a longer side that is no length.
 [[nodiscard]] inline Status check_longer_side(double length) noexcept {
     if (kit::is_within(length, 0, static_cast<double>(std::numeric_limits<float>::max()))) return {};
-    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0", 0, 0};
+    return {Errc::invalid_argument, "the longer side must be a length that a float holds, or 0"};
 }
 
 /// Where the first mesh of the file is, and how large.

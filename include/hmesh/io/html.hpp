@@ -68,9 +68,9 @@ namespace detail {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a page numbers"); !status)
         return status;
     if (options.title == nullptr || options.figures == nullptr || options.notes == nullptr)
-        return {Errc::invalid_argument, "the title, the figures and the notes must be texts", 0, 0};
+        return {Errc::invalid_argument, "the title, the figures and the notes must be texts"};
     if (options.original != nullptr && !is_media_type(options.original_type))
-        return {Errc::invalid_argument, "the original's media type must be such as image/png", 0, 0};
+        return {Errc::invalid_argument, "the original's media type must be such as image/png"};
     if (options.original_orientation < 1 || options.original_orientation > 8)
         return {Errc::invalid_argument, "the original's orientation must be from 1 to 8",
                 static_cast<double>(options.original_orientation), options.original_orientation < 1 ? 1.0 : 8.0};

@@ -123,7 +123,7 @@ Result mesh_image(const ImageReader<T, C>& reader, const Options& options, const
     const kit::ReadImage<T, C> image(reader, options.premultiplied);
     return detail::mesh_read<T, C>(image, options,
                                    {tile_size, run, work, options.colors.value_or(Annealed::colors), true,
-                                    recipe.trials()},
+                                    &kit::fewest_vertices_going_on, recipe.trials()},
                                    parallel_for);
 }
 

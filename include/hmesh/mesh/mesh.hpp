@@ -83,12 +83,12 @@ struct Mesh {
     if (mesh.vertex_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no vertices", 0, 1};
     if (mesh.face_count == 0 && !is_empty) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (!is_empty && (mesh.positions == nullptr || mesh.colors == nullptr || mesh.faces == nullptr))
-        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces", 0, 0};
+        return {Errc::invalid_argument, "the mesh has a null pointer for its positions, colours or faces"};
     if (mesh.channels < 1 || mesh.channels > most_channels)
         return {Errc::invalid_argument, "the mesh has a number of channels that this use cannot hold", mesh.channels,
                 most_channels};
     if (!kit::is_finite(mesh.peak) || mesh.peak <= 0)
-        return {Errc::invalid_argument, "the mesh's peak must be positive and finite", 0, 0};
+        return {Errc::invalid_argument, "the mesh's peak must be positive and finite"};
     for (std::size_t i = 0; i < 2 * mesh.vertex_count; ++i)
         if (!kit::is_finite(mesh.positions[i]))
             return {Errc::not_finite, "the mesh has a position that is NaN or infinite, at vertex",

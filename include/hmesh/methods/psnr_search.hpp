@@ -69,6 +69,7 @@ class BestResult {
     explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
+    [[nodiscard]] const Mesh& mesh() const noexcept { return result_.mesh; }                 ///< its mesh
     [[nodiscard]] double vertices() const noexcept { return static_cast<double>(result_.report.vertices); }  ///< that it has
     /// Offers the result of one more run. False: it failed or was cancelled, which ends the search; its mesh counts where none
     /// reached the PSNR before.
@@ -182,11 +183,12 @@ class PsnrCurve {
     return best.take();
 }
 
-/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices. The result has at most
-/// 1 to 2 % more vertices than those that the method would need from the start, and may have fewer: a mesh gets better with each
-/// run that goes on from it.
+/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices, also of up to twice as
+/// many as `most`, and at most `all`, where it seems that as many are needed: coming down from these it may do with what is
+/// allowed. The result has at most 1 to 2 % more vertices than those that the method would need from the start, and may have
+/// fewer: a mesh gets better with each run that goes on from it. Cancelled, it may have more than `most`.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
-    double psnr, const Trials& trials, std::size_t first, std::size_t most,
+    double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
     FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
     constexpr double likely_enough = 1.05;  // times what is foretold, since growing costs more than losing what was too much
     // In doublings of the vertices:
@@ -199,9 +201,11 @@ class PsnrCurve {
     constexpr double is_touched = 0.08;  // up to where little work keeps the mesh as good
     constexpr double is_trimmed = 0.015;  // by which it may grow without annealing
     constexpr double is_sketched = 0.6;   // up to where a sketch tells enough for the whole run
+    constexpr int most_refined = 3;       // meshes of the most vertices that come down from more
     const auto doublings = [](double from, double to) { return std::log2(to / from); };
+    std::size_t limit = std::max(most, std::min(all, 2 * most));
     const auto allowed = [&](double n) {
-        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(most), n))));
+        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(limit), n))));
     };
 
     Result rough;                              // the last one but the very last; without a mesh at first
@@ -238,7 +242,8 @@ class PsnrCurve {
         rough = std::move(sketch);
     }
 
-    if (trials.draft < 1) n = allowed(likely_enough * static_cast<double>(n));
+    if (limit < all && (!curve || curve->count(psnr) > static_cast<double>(limit))) limit = most;  // more would be of no use
+    n = allowed((trials.draft < 1 ? likely_enough : 1) * static_cast<double>(n));
     Result whole = mesh_from(n, {});
     if (!whole.status) return better_of(std::move(whole));
     double now = whole.report.psnr;
@@ -248,19 +253,20 @@ class PsnrCurve {
     detail::BestResult best(psnr, std::move(whole));
     double grown = 0;  // doublings by which it grew, but for what annealing has made up for since
     double spent = 0;  // whole runs since then
+    std::size_t most_whole = n;
     for (int runs = 1; runs < 20; ++runs) {
         const auto count = static_cast<double>(n);
         const double needed = is_finite(now) ? curve->count(psnr) : count / 2, excess = doublings(needed, count);
         // Where no more are allowed, a refinement may make up for a few that lack.
         if (now >= psnr ? n == 4 || (excess <= near_enough && grown <= is_made_up)
-                        : n == most && (spent >= 0.5 || excess < -is_touched))
+                        : n == limit && (spent >= 0.5 || excess < -is_touched))
             break;
         if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
         // Rather too many than too few, and the more so the farther away: a trim costs next to nothing.
         double aim = needed * (1.003 + std::min(0.035, 0.07 * std::abs(excess)));
         if (doublings(count, aim) > most_more) aim = 1.2 * needed;  // a curve that promised so much too much still does
         std::size_t next = allowed(aim);
-        if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, most);
+        if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, limit);
         const double growth = doublings(count, static_cast<double>(next));
         const Work work = growth > most_more || growth < -most_fewer   ? Work::whole
                           : std::abs(growth) > is_touched || next == n ? Work::refine
@@ -271,13 +277,34 @@ class PsnrCurve {
         Mesh reached = result.mesh;
         if (!best.offer(std::move(result))) break;
         if (is_finite(now)) curve->pass(next, now, goes_on(work));
+        if (work == Work::whole) most_whole = std::max(most_whole, next);
         spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : work == Work::touch ? 0.2 : 0.1;
         if (work == Work::whole) grown = 0;
         else if (work != Work::trim) grown = grown / 2 + std::max(0.0, growth);
         n = next;
         last = std::move(reached);
     }
-    return best.take();
+    // What went on from mesh to mesh may be stuck below the PSNR, which whole runs are not.
+    for (n = std::min(n, most); best.is_ok() && !best.is_reached() && most_whole < most; most_whole = n) {
+        n = most_whole < n ? n : std::min(most, 2 * n);
+        (void)best.offer(mesh_from(n, {}));
+    }
+    Result found = best.take();
+    if (found.report.vertices <= most || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
+    detail::BestResult allowed_one(psnr, mesh_from(most, {&found.mesh, Work::refine}));
+    for (int k = 1; k < most_refined && allowed_one.is_ok() && !allowed_one.is_reached(); ++k)
+        (void)allowed_one.offer(mesh_from(most, {&allowed_one.mesh(), Work::refine}));
+    return allowed_one.take();
+}
+
+/// The search of a method.
+using PsnrSearch = Result(double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
+                          FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from);
+/// That of a method that cannot go on: fewest_vertices(), which `trials` and `all` mean nothing to.
+[[nodiscard]] inline Result fewest_vertices_anew(double psnr, const Trials& /*trials*/, std::size_t first, std::size_t most,
+                                                 std::size_t /*all*/,
+                                                 FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
+    return fewest_vertices(psnr, first, most, [&](std::size_t n) { return mesh_from(n, {}); });
 }
 
 }  // namespace hmesh::kit

@@ -277,7 +277,7 @@ class LinearLight {
     if (const Status status = check(mesh, channels); !status) return status;
     if (mesh.faces.empty()) return {Errc::invalid_argument, "the mesh has no faces", 0, 1};
     if (mesh.premultiplied)
-        return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied", 0, 0};
+        return {Errc::invalid_argument, "linear light is fitted to straight colours, and the mesh's are premultiplied"};
     if (mesh.width != width) return {Errc::invalid_argument, "the mesh is not as wide as the image", mesh.width, width};
     if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };

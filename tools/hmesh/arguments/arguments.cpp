@@ -530,6 +530,15 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (!arguments.original && !has_output(arguments, ".html"))
         return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
+    if (!arguments.depfile.empty()) {
+        std::vector<std::string> names = output_files(arguments);
+        names.insert(names.end(), inputs.begin(), inputs.end());
+        const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\\'; };
+        for (const std::string& name : names)
+            if (std::any_of(name.begin(), name.end(), is_control))
+                return "--depfile is given with '" + name +
+                       "', and makefiles have no names with control characters or backslashes";
+    }
     if (arguments.keep_partial && !arguments.depfile.empty())
         return "--keep-partial is given with --depfile, for which nothing but whole results is written";
     if (arguments.meshing.straight_border && arguments.meshing.periodic == hmesh::Periodic::none)

@@ -69,7 +69,9 @@ std::string find_stream_clash(const std::vector<Arguments>& images) {
     if (writes > 1)
         return "the standard output is named for " + std::to_string(writes) + " images; --json prints a line for each";
     if (writes == 0 || !is_terminal(stdout)) return {};
-    const auto is_text = [](const std::string& ending) { return ending != ".ply" && ending != ".glb" && ending != ".pdf"; };
+    const auto is_text = [](const std::string& ending) {
+        return ending != ".ply" && ending != ".glb" && ending != ".pdf" && ending != ".hmc";
+    };
     const auto refusal = [](const std::string& ending) {
         return "the standard output is a terminal, and " + ending + " is no text: lead it to a file or a program";
     };

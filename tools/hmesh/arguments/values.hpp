@@ -53,6 +53,12 @@ template <class Integer>
     return value > 0 && value <= most ? "" : "must be above 0 and at most " + std::to_string(most);
 }
 
+// A decimal number in [0, most].
+[[nodiscard]] inline std::string parse_at_least_0(const std::string& text, int most, double& value) {
+    if (std::string why = parse_number(text, value); !why.empty()) return why;
+    return value >= 0 && value <= most ? "" : "must be from 0 to " + std::to_string(most);
+}
+
 // Numbers >= 0 between commas.
 [[nodiscard]] inline std::string parse_weights(const std::string& text, std::vector<double>& values) {
     values.clear();
@@ -60,20 +66,13 @@ template <class Integer>
         const std::size_t comma = text.find(',', from), end = comma == std::string::npos ? text.size() : comma;
         const std::string number = text.substr(from, end - from);
         double value = 0;
-        const bool is_zero = number == "0" || number == "0.0";
-        if (const std::string why = is_zero ? "" : parse_positive(number, 1000000, value); !why.empty())
+        if (const std::string why = parse_at_least_0(number, 1000000, value); !why.empty())
             return number == text ? why : "has '" + number + "', which " + why;
         values.push_back(value);
         from = end + 1;
     }
     const auto is_zero = [](double value) { return value == 0; };
     return std::all_of(values.begin(), values.end(), is_zero) ? "has no weight above 0" : "";
-}
-
-// A decimal number in [0, most].
-[[nodiscard]] inline std::string parse_at_least_0(const std::string& text, int most, double& value) {
-    if (std::string why = parse_number(text, value); !why.empty()) return why;
-    return value >= 0 && value <= most ? "" : "must be from 0 to " + std::to_string(most);
 }
 
 }  // namespace tool

@@ -43,10 +43,12 @@ inline void set_binary([[maybe_unused]] std::FILE* file) {
 #endif
 }
 
-// From now on a reader that goes away, as head does, is a failure to write like any other, and does not end the program.
+// From now on a reader that goes away, as head does, and a file that may not grow, by ulimit, are failures to write like any
+// other, and do not end the program.
 inline void outlive_readers() {
 #ifndef _WIN32
     std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
 #endif
 }
 

@@ -427,7 +427,7 @@ using FillGlbArray = FunctionRef<void(Writer& writer, std::size_t array)>;
         }
         std::vector<unsigned char>& out = file.compressed.emplace_back();
         if (!compress({woven.data(), count, stride, head.is_indices}, out) || out.empty())
-            return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+            return {Errc::write_failed, "the compressor failed, before the first byte was written"};
     }
     return {};
 }

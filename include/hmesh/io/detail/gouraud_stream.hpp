@@ -146,7 +146,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
     if (!deflate) return {};
     std::vector<unsigned char> out;
     if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
-        return {Errc::write_failed, "the compressor failed, before the first byte was written", 0, 0};
+        return {Errc::write_failed, "the compressor failed, before the first byte was written"};
     bytes.swap(out);
     return {};
 }
