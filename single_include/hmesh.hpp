@@ -16057,7 +16057,11 @@ class PsnrCurve {
     std::size_t most_whole = n;
     for (int runs = 1; runs < 20; ++runs) {
         const auto count = static_cast<double>(n);
-        const double needed = is_finite(now) ? curve->count(psnr) : count / 2, excess = doublings(needed, count);
+        double needed = is_finite(now) ? curve->count(psnr) : count / 2;
+        // A curve that tells more than what has done already is wrong.
+        if (now < psnr && best.is_reached() && count < best.vertices())
+            needed = std::min(needed, std::sqrt(count * best.vertices()));
+        const double excess = doublings(needed, count);
         // Where no more are allowed, a refinement may make up for a few that lack.
         if (now >= psnr ? n == 4 || (excess <= near_enough && grown <= is_made_up)
                         : n == limit && (spent >= 0.5 || excess < -is_touched))

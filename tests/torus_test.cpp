@@ -102,7 +102,7 @@ TEST_CASE("what is no sheet of a torus is refused with what is wrong with it") {
     CHECK(why(mesh) != "ok");
     mesh = sheet();
     mesh.positions[0] = 1e6F;
-    CHECK(why(mesh) == "the mesh has a position far outside its image, at vertex");
+    CHECK(why(mesh) == "the mesh has a position far outside its image, at vertex (0)");
     // A cylinder's free border is no border of a torus.
     mesh = sheet();
     mesh.height = 7;

@@ -143,6 +143,9 @@ def test_what_a_killed_run_leaves_behind_is_in_nobodys_way(hmesh):
         hmesh.done("grey.pgm --vertices 41 -o keep.ply")
         hmesh.done("grey.pgm --vertices 42 -o keep.ply")
     assert is_whole("keep.ply") and read("keep.ply.part1") == b"left behind"
+    Path("link.glb").symlink_to("not_there.ply")
+    run = hmesh.run("grey.pgm -o not_there.ply -o link.glb")
+    assert run.returncode == 2 and "named for two outputs" in run.stderr and not Path("not_there.ply").exists()
     Path("other").write_bytes(b"somebody's")
     Path("linked.ply.part0").symlink_to("other")
     os.link("other", "linked.ply.part1")

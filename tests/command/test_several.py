@@ -195,6 +195,7 @@ def test_a_search_stays_within_the_most_vertices_and_says_where_they_do_not_reac
     assert f"--psnr 26 --max-vertices {most} " in run.stderr and "no mesh of so few vertices reached" in run.stderr
     assert f"{most} vertices and {report['psnr']:.2f} dB, is written" in run.stderr
     assert report["vertices"] == most and report["psnr"] < 26 and "so few vertices" in report["status"]
+    assert re.search(r" \(2\d\.\d+, limit 26\)$", report["status"])
     assert report["target"] == f"--psnr 26 --max-vertices {most}"
     assert f"element vertex {most}" in ply_header("bound.ply")
     plain = hmesh.report(f"picture.png --vertices {most}")["psnr"]

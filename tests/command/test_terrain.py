@@ -580,6 +580,7 @@ FAILURES = rows("""
     'text.tif'                                   | text.tif -o keep.ply --max-error 1
     '.'                                          | . -o keep.ply --max-error 1
     'short.raw'                                  | short.raw --size 20x20 -o keep.ply --max-error 1
+    20 x 20 samples are 1600 as float32          | short.raw --size 20x20 --type int16 -o keep.ply --max-error 1
     'raw.raw'                                    | raw.raw --size 19x20 -o keep.ply --max-error 1
     'one.pgm' has 1 x 1 samples                  | one.pgm -o keep.ply --max-error 1
     'nowhere/x.ply'                              | dem.pgm -o nowhere/x.ply --max-error 1

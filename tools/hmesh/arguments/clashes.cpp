@@ -41,7 +41,13 @@ class FileSet {
 
     static std::string full(const std::string& name) {
         std::error_code none;
-        const std::string found = fs::weakly_canonical(fs::absolute(name, none), none).string();
+        fs::path path = fs::absolute(name, none);
+        // A link to what is not there yet, which weakly_canonical() leaves as it is.
+        for (int links = 0; links < 40 && fs::is_symlink(path, none); ++links) {
+            const fs::path to = fs::read_symlink(path, none);
+            path = to.is_absolute() ? to : path.parent_path() / to;
+        }
+        const std::string found = fs::weakly_canonical(path, none).string();
         return found.empty() ? name : found;
     }
     static Look look(const std::string& name) {

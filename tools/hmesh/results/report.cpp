@@ -113,7 +113,7 @@ std::string report_json(const Arguments& arguments, const ImageFile& image, cons
                          {"weights", arguments.weights.empty() ? Json() : Json(arguments.weights)},
                          {"tile", meshing.tile},
                          {"target", arguments.target},
-                         {"status", outcome.status ? "ok" : what_of(outcome.status)},
+                         {"status", outcome.status ? "ok" : in_words(outcome.status)},
                          {"vertices", outcome.report.vertices},
                          {"border_copies", border_copies(outcome)},
                          {"faces", outcome.report.faces},

@@ -10,12 +10,8 @@
 
 namespace tool {
 
-// What a status says. The command's progress callback returns false after Ctrl-C alone.
-[[nodiscard]] inline std::string what_of(const hmesh::Status& status) {
-    return status.code == hmesh::Errc::cancelled ? "interrupted" : status.what;
-}
-
-// The same with the offending value and its bound, where the status has them.
+// What a status says, with the offending value and its bound, where it has them. The command's progress callback returns false
+// after Ctrl-C alone.
 [[nodiscard]] inline std::string in_words(const hmesh::Status& status) {
     return status.code == hmesh::Errc::cancelled ? "interrupted" : hmesh::message(status).c_str();
 }
