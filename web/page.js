@@ -318,7 +318,8 @@ async function addSamples() {
     button.append(canvas);
     byId('samples').append(button);
     const small = (await askPixels({ sample, width, height })).picture;
-    canvas.getContext('2d').putImageData(new ImageData(small.data, width, height), 0, 0);
+    const unshared = new Uint8ClampedArray(small.data); // an ImageData takes no memory that is shared
+    canvas.getContext('2d').putImageData(new ImageData(unshared, width, height), 0, 0);
   }
 }
 
