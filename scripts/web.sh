@@ -86,4 +86,4 @@ need viewers
 need_node_modules "$PWD/build/viewers"
 psnr=$PWD/build/release/bin/psnr
 [ -x "$psnr" ] || psnr=
-sh tests/web/page.sh build/web "$command" "$psnr" ${2+"file: a photo"}  # quick: the ways in alone
+sh tests/web/page.sh build/web "$command" "$psnr" ${2+": a photo"}  # quick: the ways in alone
