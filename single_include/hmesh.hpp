@@ -12627,10 +12627,10 @@ class TileGrid {
         for (const Point& p : points)
             if (p.*across >= low && p.*across < high) ++mass[static_cast<std::size_t>(p.*along)], ++count;
         if (count == 0) return;
+        const double rest = 0.25 * count / static_cast<double>(size), share = 1.25 * count / static_cast<double>(steps);
         std::size_t k = 0;
         for (std::size_t px = 0; px < size; ++px) {
-            const double here = mass[px] + 0.25 * count / static_cast<double>(size),
-                         share = 1.25 * count / static_cast<double>(steps);
+            const double here = mass[px] + rest;
             for (; k < steps && before + here >= share * static_cast<double>(k); ++k)
                 wanted[k] = static_cast<double>(px) + (share * static_cast<double>(k) - before) / here;
             before += here;
@@ -16092,14 +16092,14 @@ class PsnrCurve {
     // What went on from mesh to mesh may be stuck below the PSNR, which whole runs are not.
     for (n = std::min(n, most); best.is_ok() && !best.is_reached() && most_whole < most; most_whole = n) {
         n = most_whole < n ? n : std::min(most, 2 * n);
-        (void)best.offer(mesh_from(n, {}));
+        best.offer(mesh_from(n, {}));
     }
     Result found = best.take();
     if (found.report.vertices <= most || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
-    detail::BestResult allowed_one(psnr, mesh_from(most, {&found.mesh, Work::refine}));
-    for (int k = 1; k < most_refined && allowed_one.is_ok() && !allowed_one.is_reached(); ++k)
-        (void)allowed_one.offer(mesh_from(most, {&allowed_one.mesh(), Work::refine}));
-    return allowed_one.take();
+    detail::BestResult bounded(psnr, mesh_from(most, {&found.mesh, Work::refine}));
+    for (int k = 1; k < most_refined && bounded.is_ok() && !bounded.is_reached(); ++k)
+        bounded.offer(mesh_from(most, {&bounded.mesh(), Work::refine}));
+    return bounded.take();
 }
 
 /// The search of a method.

@@ -5,7 +5,7 @@ import { Mesher, init } from './npm/index.js';
 import { createMeshing } from './meshing.js';
 import { createPainter } from './painter.js';
 import { packageParts } from './parts.js';
-import { createPixels } from './pixels.js';
+import { createPixels, toImageData } from './pixels.js';
 import { createPlainPainter } from './plain_painter.js';
 import { SAMPLES } from './samples.js';
 import { createSaving } from './saving.js';
@@ -318,8 +318,7 @@ async function addSamples() {
     button.append(canvas);
     byId('samples').append(button);
     const small = (await askPixels({ sample, width, height })).picture;
-    const unshared = new Uint8ClampedArray(small.data); // an ImageData takes no memory that is shared
-    canvas.getContext('2d').putImageData(new ImageData(unshared, width, height), 0, 0);
+    canvas.getContext('2d').putImageData(toImageData(small), 0, 0);
   }
 }
 

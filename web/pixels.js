@@ -1,6 +1,9 @@
 // What the page asks of pixels_worker.js.
 import { startPixelsWorker } from './parts.js';
 
+// For a canvas: an ImageData takes no memory that is shared, which a picture of the worker may have.
+export const toImageData = ({ data, width, height }) => new ImageData(new Uint8ClampedArray(data), width, height);
+
 // A function of a question that gives a promise of its answer.
 export function createPixels() {
   let worker = null;

@@ -53,7 +53,7 @@ const isOpaque = (data) => new Uint32Array(data.buffer).every((pixel) => pixel >
 
 async function encode({ data, width, height }) {
   const canvas = new OffscreenCanvas(width, height);
-  canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(data), width, height), 0, 0);
+  canvas.getContext('2d').putImageData(new ImageData(data, width, height), 0, 0);
   return canvas.convertToBlob({ type: 'image/png' });
 }
 

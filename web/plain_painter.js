@@ -1,13 +1,14 @@
 // Draws as painter.js does where there is no WebGL: the mesh as pixels that the package makes of it, as large as the picture.
 import { edgeOpacity, edgesOf } from './painter.js';
+import { toImageData } from './pixels.js';
 
 const MOST_EDGES = 60000; // more take a browser longer than it takes to say so
 
-function canvasOf({ width, height, data }) {
+function canvasOf(picture) {
   const canvas = document.createElement('canvas');
-  canvas.width = width;
-  canvas.height = height;
-  canvas.getContext('2d').putImageData(new ImageData(new Uint8ClampedArray(data), width, height), 0, 0);
+  canvas.width = picture.width;
+  canvas.height = picture.height;
+  canvas.getContext('2d').putImageData(toImageData(picture), 0, 0);
   return canvas;
 }
 

@@ -291,14 +291,14 @@ class PsnrCurve {
     // What went on from mesh to mesh may be stuck below the PSNR, which whole runs are not.
     for (n = std::min(n, most); best.is_ok() && !best.is_reached() && most_whole < most; most_whole = n) {
         n = most_whole < n ? n : std::min(most, 2 * n);
-        (void)best.offer(mesh_from(n, {}));
+        best.offer(mesh_from(n, {}));
     }
     Result found = best.take();
     if (found.report.vertices <= most || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
-    detail::BestResult allowed_one(psnr, mesh_from(most, {&found.mesh, Work::refine}));
-    for (int k = 1; k < most_refined && allowed_one.is_ok() && !allowed_one.is_reached(); ++k)
-        (void)allowed_one.offer(mesh_from(most, {&allowed_one.mesh(), Work::refine}));
-    return allowed_one.take();
+    detail::BestResult bounded(psnr, mesh_from(most, {&found.mesh, Work::refine}));
+    for (int k = 1; k < most_refined && bounded.is_ok() && !bounded.is_reached(); ++k)
+        bounded.offer(mesh_from(most, {&bounded.mesh(), Work::refine}));
+    return bounded.take();
 }
 
 /// The search of a method.

@@ -77,10 +77,10 @@ class TileGrid {
         for (const Point& p : points)
             if (p.*across >= low && p.*across < high) ++mass[static_cast<std::size_t>(p.*along)], ++count;
         if (count == 0) return;
+        const double rest = 0.25 * count / static_cast<double>(size), share = 1.25 * count / static_cast<double>(steps);
         std::size_t k = 0;
         for (std::size_t px = 0; px < size; ++px) {
-            const double here = mass[px] + 0.25 * count / static_cast<double>(size),
-                         share = 1.25 * count / static_cast<double>(steps);
+            const double here = mass[px] + rest;
             for (; k < steps && before + here >= share * static_cast<double>(k); ++k)
                 wanted[k] = static_cast<double>(px) + (share * static_cast<double>(k) - before) / here;
             before += here;

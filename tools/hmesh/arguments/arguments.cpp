@@ -531,11 +531,12 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         return "--no-original is given without an output that ends in .html";
     if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
     if (!arguments.depfile.empty()) {
-        std::vector<std::string> names = output_files(arguments);
-        names.insert(names.end(), inputs.begin(), inputs.end());
-        const auto is_control = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\\'; };
+        std::vector<std::string> names = inputs;
+        for (const std::vector<std::string>& more : {output_files(arguments), input_files(arguments)})
+            names.insert(names.end(), more.begin(), more.end());
+        const auto is_foreign = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\\'; };
         for (const std::string& name : names)
-            if (std::any_of(name.begin(), name.end(), is_control))
+            if (std::any_of(name.begin(), name.end(), is_foreign))
                 return "--depfile is given with '" + name +
                        "', and makefiles have no names with control characters or backslashes";
     }
@@ -591,6 +592,13 @@ std::vector<std::string> output_files(const Arguments& arguments) {
         const std::vector<std::string> pictures = render_files(arguments);
         files.insert(files.end(), pictures.begin(), pictures.end());
     });
+    return files;
+}
+
+std::vector<std::string> input_files(const Arguments& arguments) {
+    std::vector<std::string> files{arguments.input};
+    for (const OtherMap& other : arguments.others) files.push_back(other.file);
+    if (!arguments.weights.empty()) files.push_back(arguments.weights);
     return files;
 }
 

@@ -91,6 +91,9 @@ struct Arguments {
 // Every file that the command writes for this image.
 [[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);
 
+// Every file that it reads for it, the image first.
+[[nodiscard]] std::vector<std::string> input_files(const Arguments& arguments);
+
 // Whether the standard output is one of them.
 [[nodiscard]] bool writes_standard_output(const Arguments& arguments);
 

@@ -9,6 +9,7 @@
 
 #include "arguments/patterns.hpp"
 #include "terminal/standard_streams.hpp"
+#include "writers/output_file.hpp"
 
 namespace tool {
 namespace {
@@ -41,13 +42,7 @@ class FileSet {
 
     static std::string full(const std::string& name) {
         std::error_code none;
-        fs::path path = fs::absolute(name, none);
-        // A link to what is not there yet, which weakly_canonical() leaves as it is.
-        for (int links = 0; links < 40 && fs::is_symlink(path, none); ++links) {
-            const fs::path to = fs::read_symlink(path, none);
-            path = to.is_absolute() ? to : path.parent_path() / to;
-        }
-        const std::string found = fs::weakly_canonical(path, none).string();
+        const std::string found = fs::weakly_canonical(fs::absolute(end_of_links(name), none), none).string();
         return found.empty() ? name : found;
     }
     static Look look(const std::string& name) {
@@ -67,8 +62,7 @@ std::string find_stream_clash(const std::vector<Arguments>& images) {
         for (const std::string& file : output_files(image)) of_image += is_standard(file) ? 1 : 0;
         most = of_image > most ? of_image : most;
         writes += of_image;
-        reads += (is_standard(image.input) ? 1U : 0U) + (is_standard(image.weights) ? 1U : 0U);
-        for (const OtherMap& other : image.others) reads += is_standard(other.file) ? 1 : 0;
+        for (const std::string& file : input_files(image)) reads += is_standard(file) ? 1 : 0;
     }
     if (reads > 1) return "the standard input is named twice";
     if (most > 1) return "the standard output is named for two outputs";

@@ -12,11 +12,9 @@
 namespace tool {
 
 [[nodiscard]] inline std::string write_depfile(const Arguments& arguments) {
-    std::vector<std::string> written = output_files(arguments), read = {arguments.input};
+    std::vector<std::string> written = output_files(arguments);
     written.pop_back();  // itself
-    for (const OtherMap& other : arguments.others) read.push_back(other.file);
-    if (!arguments.weights.empty()) read.push_back(arguments.weights);
-    return write_text(arguments.depfile, depfile(written, read));
+    return write_text(arguments.depfile, depfile(written, input_files(arguments)));
 }
 
 }  // namespace tool

@@ -75,16 +75,27 @@ void put_names_on_disk([[maybe_unused]] const std::string& file) {
 #endif
 }
 
+// Whether it is a link, but not to a file.
+bool leads_nowhere(const std::string& path) {
+    std::error_code none;
+    return !fs::exists(path, none) && fs::is_symlink(fs::symlink_status(path, none));
+}
+
 }  // namespace
+
+std::string end_of_links(std::string path) {
+    std::error_code none;
+    for (int links = 0; links < 40 && leads_nowhere(path); ++links)
+        path = (fs::path(path).parent_path() / fs::read_symlink(path, none)).string();
+    return path;
+}
 
 OutputFile::OutputFile(std::string path) : target_(std::move(path)), is_standard_(is_standard(target_)) {
     if (is_standard_) return;
     std::error_code none;
-    const auto leads_nowhere = [&] { return !fs::exists(target_, none) && fs::is_symlink(fs::symlink_status(target_, none)); };
-    for (int links = 0; links < 40 && leads_nowhere(); ++links)  // to a file that is to be made
-        target_ = (fs::path(target_).parent_path() / fs::read_symlink(target_, none)).string();
+    target_ = end_of_links(std::move(target_));
     const fs::file_status status = fs::status(target_, none);
-    if (leads_nowhere()) refusal_ = ELOOP;
+    if (leads_nowhere(target_)) refusal_ = ELOOP;
     if (fs::is_directory(status)) refusal_ = EISDIR;
     in_place_ = fs::exists(status) && !fs::is_regular_file(status);
     if (fs::is_regular_file(status)) {

@@ -12,6 +12,9 @@
 
 namespace tool {
 
+// The path or, where it is a link to a file that is to be made, that file's.
+[[nodiscard]] std::string end_of_links(std::string path);
+
 class OutputFile {
   public:
     // Follows links and decides where the bytes go; opens nothing.
