@@ -612,10 +612,10 @@ enum class Samples : std::uint8_t {
     points,
 };
 
+namespace kit {
+
 /// How far the mesh of an image reaches along an axis with `size` samples, in px: it begins at 0.
 [[nodiscard]] constexpr int extent(int size, Samples samples) noexcept { return samples == Samples::points ? size - 1 : size; }
-
-namespace kit {
 
 /// How far inside of [0, W] x [0, H] the mesh of an image lies while it is fitted, in px. There the centre of sample (i, j) is
 /// at (i + 1/2, j + 1/2) whatever it is, and a mesh of points is [1/2, W - 1/2] x [1/2, H - 1/2]: 1/2 px off where users have it,
@@ -667,9 +667,9 @@ struct MeshView {
     Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 
     /// The x of the right side of the rectangle that a mesh of the image covers, in px; its left side is 0.
-    [[nodiscard]] constexpr int right() const noexcept { return extent(width, samples); }
+    [[nodiscard]] constexpr int right() const noexcept { return kit::extent(width, samples); }
     /// The y of the lower side, in px; the upper one is 0.
-    [[nodiscard]] constexpr int bottom() const noexcept { return extent(height, samples); }
+    [[nodiscard]] constexpr int bottom() const noexcept { return kit::extent(height, samples); }
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.
@@ -1409,8 +1409,7 @@ struct Barycentric {
 #include <cstdint>
 #include <vector>
 
-namespace hmesh {
-namespace kit {
+namespace hmesh::kit {
 
 /// The periods of the plane in which an image repeats.
 struct Torus {
@@ -1591,8 +1590,6 @@ namespace detail {
     return positions;
 }
 
-}  // namespace kit
-
 /// Checks that a mesh is what its `periodic` says: that copies of it, shifted by its size, cover each place of the plane (of a
 /// band, where it repeats along one axis) once, and that the vertices of its border have copies of the same colour, to the bit,
 /// on the other side. A mesh that repeats along no axis is refused. Errc::invalid_argument or not_finite. O(n log n).
@@ -1600,20 +1597,20 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const kit::Array<kit::Point> positions = kit::positions_of(mesh);
+    const Array<Point> positions = positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
-    const kit::Torus torus{mesh.width, mesh.height, mesh.periodic};
-    const kit::Array<std::uint32_t> roots = kit::tied_vertices(positions, torus);
+    const Torus torus{mesh.width, mesh.height, mesh.periodic};
+    const Array<std::uint32_t> roots = tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!std::equal(mesh.colors + channels * v, mesh.colors + channels * (v + 1), mesh.colors + channels * roots[v]))
             return {Errc::invalid_argument, "the copies of a vertex on the cut differ in colour, at vertex", v};
-    return kit::check_torus(positions, {mesh.faces, mesh.faces + mesh.face_count}, roots, torus);
+    return check_torus(positions, {mesh.faces, mesh.faces + mesh.face_count}, roots, torus);
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_TORUS_HPP
 
@@ -1973,12 +1970,11 @@ class StripWalk {
 
 namespace hmesh {
 
-/// A compressor that the program brings, since the library has none: it puts the zlib stream (RFC 1950) of `bytes`, such as
-/// zlib's compress2() makes, into `out`, which is empty. It says whether it could; false or an empty `out` is a failure.
-using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
-
 /// Options of write_pdf() and write_eps(), which hold the mesh as the same stream of bytes.
 struct PageOptions {
+    /// A compressor that the program brings, since the library has none: it puts the zlib stream (RFC 1950) of `bytes`, such as
+    /// zlib's compress2() makes, into `out`, which is empty. It says whether it could; false or an empty `out` is a failure.
+    using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
     /// Compresses the stream, to about a half: 12 bytes a vertex instead of 21 in PDF. What it refers to must live until the
     /// exporter returns. None: the stream is written as it is.
     Deflate deflate;
@@ -2296,7 +2292,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 }
 
 /// Replaces the bytes by their zlib stream, where there is a compressor. Errc::write_failed where it fails.
-[[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
+[[nodiscard]] inline Status compress(PageOptions::Deflate deflate, std::vector<unsigned char>& bytes) {
     if (!deflate) return {};
     std::vector<unsigned char> out;
     if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
@@ -2326,7 +2322,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 #include <cstddef>
 #include <cstdint>
 
-namespace hmesh {
+namespace hmesh::kit {
 
 /// A periodic mesh with copies of its faces, whole periods away, wherever these touch the image's rectangle: it covers all of
 /// [0, width] x [0, height] and stands out of it. Its own vertices and faces come first. Not periodic any more; a mesh that is
@@ -2343,7 +2339,7 @@ namespace hmesh {
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
     out.faces.assign(mesh.faces, mesh.faces + mesh.face_count);
-    kit::Array<kit::VertexCopy> corners;  // of the faces' copies
+    Array<VertexCopy> corners;  // of the faces' copies
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         // The turns after which a part of the face is inside, along one axis.
         const auto range = [&](std::size_t axis, int size, bool wraps) {
@@ -2354,14 +2350,14 @@ namespace hmesh {
             if (!wraps || std::abs(low) > most || std::abs(high) > most) return std::array<int, 2>{0, 0};
             return std::array<int, 2>{static_cast<int>(std::floor(-high)) + 1, static_cast<int>(std::ceil(1 - low)) - 1};
         };
-        const auto x = range(0, mesh.width, kit::wraps_x(mesh.periodic)), y = range(1, mesh.height, kit::wraps_y(mesh.periodic));
+        const auto x = range(0, mesh.width, wraps_x(mesh.periodic)), y = range(1, mesh.height, wraps_y(mesh.periodic));
         for (int j = y[0]; j <= y[1]; ++j)
             for (int i = x[0]; i <= x[1]; ++i)
                 if (i != 0 || j != 0)
                     for (const std::uint32_t v : mesh.faces[f]) corners.push_back({v, {i, j}});
     }
-    const kit::NumberedCopies copies = kit::numbered(corners);
-    for (const kit::VertexCopy& copy : copies.different) {
+    const NumberedCopies copies = numbered(corners);
+    for (const VertexCopy& copy : copies.different) {
         const std::size_t v = copy.vertex;
         out.positions.push_back(mesh.positions[2 * v] + static_cast<float>(copy.turns.x) * static_cast<float>(mesh.width));
         out.positions.push_back(mesh.positions[2 * v + 1] + static_cast<float>(copy.turns.y) * static_cast<float>(mesh.height));
@@ -2375,7 +2371,7 @@ namespace hmesh {
     return out;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #endif  // HMESH_MESH_UNROLLED_HPP
 
@@ -2439,7 +2435,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_eps(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
@@ -2562,23 +2558,23 @@ namespace hmesh::kit {
 
 namespace hmesh {
 
-/// What some channels of a mesh are.
-enum class ChannelMeaning : std::uint8_t {
-    /// 1 to 4 channels of an sRGB-encoded colour: grey, or red, green and blue; of 2 or 4 the last is alpha, and straight.
-    color,
-    /// 3 channels (n + 1) / 2 of a unit vector n, as shares of the peak: x to the right, y up and z toward the viewer, as in the
-    /// normal maps of OpenGL and glTF. Files hold n, with the length 1 that interpolation and fitting took from it.
-    normal,
-    /// 1 to 4 channels of any other numbers, such as roughness or height: shares of the peak, nothing is decoded.
-    data,
-};
-
 /// Channels of a mesh that belong together.
 struct ChannelGroup {
+    /// What some channels of a mesh are.
+    enum class Meaning : std::uint8_t {
+        /// 1 to 4 channels of an sRGB-encoded colour: grey, or red, green and blue; of 2 or 4 the last is alpha, and straight.
+        color,
+        /// 3 channels (n + 1) / 2 of a unit vector n, as shares of the peak: x to the right, y up and z toward the viewer, as in
+        /// the normal maps of OpenGL and glTF. Files hold n, with the length 1 that interpolation and fitting took from it.
+        normal,
+        /// 1 to 4 channels of any other numbers, such as roughness or height: shares of the peak, nothing is decoded.
+        data,
+    };
+
     /// Letters, digits and underscores of ASCII, at least one: the name in files, but for normals and the first colour.
     const char* name = "";
-    ChannelMeaning meaning = ChannelMeaning::data;  ///< what the channels are
-    int channels = 1;                               ///< how many, 1 to 4
+    Meaning meaning = Meaning::data;  ///< what the channels are
+    int channels = 1;                 ///< how many, 1 to 4
 };
 
 /// The groups of a mesh. What it points to outlives the call that it is handed to.
@@ -2648,10 +2644,10 @@ namespace detail {
     for (std::size_t i = 0; i < groups.count; ++i) {
         const ChannelGroup& group = groups.groups[i];
         if (group.channels < 1 || group.channels > 4) return bad("a group must have 1 to 4 channels, unlike group", i, 0);
-        if (group.meaning > ChannelMeaning::data) return bad("the meaning is none of those known, of group", i, 0);
-        if (group.meaning == ChannelMeaning::normal && group.channels != 3)
+        if (group.meaning > ChannelGroup::Meaning::data) return bad("the meaning is none of those known, of group", i, 0);
+        if (group.meaning == ChannelGroup::Meaning::normal && group.channels != 3)
             return bad("a normal must have 3 channels, unlike group", i, 0);
-        normals += group.meaning == ChannelMeaning::normal ? 1 : 0;
+        normals += group.meaning == ChannelGroup::Meaning::normal ? 1 : 0;
         if (normals > 1) return bad("a mesh has one normal at most, and another is group", i, 0);
         channels += static_cast<std::size_t>(group.channels);
         if (!detail::is_name(group.name))
@@ -3358,12 +3354,12 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     using Kind = GlbContent::Kind;
     const bool is_narrow = options.color_bits == 8;
     const auto number = is_narrow ? GlbNumber::u8 : GlbNumber::u16;
-    if (group.meaning == ChannelMeaning::color) {
+    if (group.meaning == ChannelGroup::Meaning::color) {
         int set = 0;
         for (const GlbAttribute& before : primitive.attributes) set += before.set >= 0 ? 1 : 0;
         material.blends = material.blends || (set == 0 && group.channels % 2 == 0);
         primitive.attributes.push_back({"COLOR", out.add({Kind::colors, first, group.channels}, number, 4, vertices), set});
-    } else if (group.meaning == ChannelMeaning::normal) {
+    } else if (group.meaning == ChannelGroup::Meaning::normal) {
         const auto vectors = !options.quantized_positions ? GlbNumber::f32 : is_narrow ? GlbNumber::i8 : GlbNumber::i16;
         material.is_lit = true;
         primitive.attributes.push_back({"NORMAL", out.add({Kind::normals, first, 3}, vectors, 3, vertices)});
@@ -3395,7 +3391,8 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
         channel += static_cast<std::size_t>(group.channels);
     }
     if (options.groups.is_empty())
-        add_group(out, primitive, material, {"color", ChannelMeaning::color, mesh.channels}, 0, mesh.vertex_count, options);
+        add_group(out, primitive, material, {"color", ChannelGroup::Meaning::color, mesh.channels}, 0, mesh.vertex_count,
+                  options);
     primitive.indices = add_indices(out, mesh);
     if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;
@@ -4469,7 +4466,7 @@ inline void write_html_original(Writer& writer, const HtmlOptions& options) {
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_html(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);
@@ -4942,7 +4939,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_pdf(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
@@ -5127,8 +5124,8 @@ namespace detail {
 HMESH_COLD inline void write_ply_properties(Writer& writer, const ChannelGroup& group, bool has_color, bool are_floats) {
     constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"}, unit{"nx", "ny", "nz", ""},
         suffixes{"_0", "_1", "_2", "_3"};
-    const bool is_normal = group.meaning == ChannelMeaning::normal;
-    const bool is_color = group.meaning == ChannelMeaning::color && !has_color;
+    const bool is_normal = group.meaning == ChannelGroup::Meaning::normal;
+    const bool is_color = group.meaning == ChannelGroup::Meaning::color && !has_color;
     for (std::size_t k = 0; k < static_cast<std::size_t>(group.channels); ++k) {
         writer.text(are_floats || is_normal ? "property float " : "property uchar ");
         if (is_normal) writer.text(unit[k]);
@@ -5148,10 +5145,10 @@ inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOpti
     bool has_color = false;
     for (const ChannelGroup& group : options.groups) {
         write_ply_properties(writer, group, has_color, options.float_colors);
-        has_color = has_color || group.meaning == ChannelMeaning::color;
+        has_color = has_color || group.meaning == ChannelGroup::Meaning::color;
     }
     if (options.groups.is_empty())
-        write_ply_properties(writer, {"", ChannelMeaning::color, mesh.channels}, false, options.float_colors);
+        write_ply_properties(writer, {"", ChannelGroup::Meaning::color, mesh.channels}, false, options.float_colors);
     end_ply_head(writer, mesh);
 }
 
@@ -5222,7 +5219,7 @@ inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& opt
         numbers.f32(0);
         const float* color = mesh.colors + channels * v;
         for (const ChannelGroup& group : options.groups) {
-            if (group.meaning == ChannelMeaning::normal)
+            if (group.meaning == ChannelGroup::Meaning::normal)
                 for (const double x : detail::unit_normal(color, mesh.peak)) numbers.f32(static_cast<float>(x));
             else put_shares(color, static_cast<std::size_t>(group.channels));
             color += group.channels;
@@ -5431,9 +5428,9 @@ struct FaceGradient {
 /// write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
 ///
 /// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of three
-/// ways (SvgKind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every
-/// pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for the
-/// few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
+/// ways (SvgOptions::Kind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing,
+/// every pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for
+/// the few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
 /// (sRGB) values, as meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits.
 ///
 /// Alpha is a mask of grey faces, left out where all is opaque. SVG interpolates colours before alpha is applied: those of
@@ -5452,27 +5449,27 @@ struct FaceGradient {
 
 namespace hmesh {
 
-/// How write_svg() fills faces. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of
-/// it, from grey gradients and without blending.
-enum class SvgKind : std::uint8_t {
-    gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
-    /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a gradient
-    /// shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
-    exact,
-    flat,  ///< the mean of the corners' colours: about 70 bytes a face
-};
-
 /// Options of write_svg().
 struct SvgOptions {
-    SvgKind kind = SvgKind::gradient;  ///< how faces are filled
-    bool wireframe = false;            ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
+    /// How faces are filled. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of it,
+    /// from grey gradients and without blending.
+    enum class Kind : std::uint8_t {
+        gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
+        /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a
+        /// gradient shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
+        exact,
+        flat,  ///< the mean of the corners' colours: about 70 bytes a face
+    };
+
+    Kind kind = Kind::gradient;  ///< how faces are filled
+    bool wireframe = false;      ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
 };
 
 namespace detail {
 
 /// Refuses what write_svg() cannot draw. O(n).
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
-    if (options.kind > SvgKind::flat)
+    if (options.kind > SvgOptions::Kind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     return check_for_export(mesh);
 }
@@ -5550,7 +5547,7 @@ class SvgPage {
     Status write() {
         begin();
         // What layers are screened on is black, and must not show where there are no faces.
-        const bool has_ground = options_.kind == SvgKind::exact && mesh_.channels == 4 && !is_covered();
+        const bool has_ground = options_.kind == SvgOptions::Kind::exact && mesh_.channels == 4 && !is_covered();
         const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
@@ -5560,8 +5557,8 @@ class SvgPage {
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
         }
         if (mesh_.channels == 1) layer(SvgLayer::gray);
-        else if (options_.kind == SvgKind::exact) screened_layers();
-        else if (options_.kind == SvgKind::gradient) gradients();
+        else if (options_.kind == SvgOptions::Kind::exact) screened_layers();
+        else if (options_.kind == SvgOptions::Kind::gradient) gradients();
         else flat_faces();
         if (is_masked) writer_.text("</g>\n");
         if (options_.wireframe) wireframe();
@@ -5633,7 +5630,7 @@ class SvgPage {
         for (std::size_t f = 0; f < mesh_.face_count; ++f) {
             const FaceColors colors = face_colors(f);
             const ChannelGradient gradient(face_points(f), colors, channels[index]);
-            if (gradient.is_plain || options_.kind == SvgKind::flat) {
+            if (gradient.is_plain || options_.kind == SvgOptions::Kind::flat) {
                 plain_face(f, part(full[index], gradient.mean));
                 continue;
             }
@@ -5759,12 +5756,12 @@ class SvgPage {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that has no size, numbers that are not finite or faces without their
-/// vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// vertices, and a kind that is none of those give a Status that says so, and no byte is written; a sink that
 /// refuses bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     if (mesh.periodic != Periodic::none) {
-        const Mesh whole = unrolled(mesh);
+        const Mesh whole = kit::unrolled(mesh);
         return write_svg(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);
@@ -16224,7 +16221,7 @@ template <int C>
     const kit::RenderedError errors =
         is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
         : source.periodic() == Periodic::none ? errors_of(result.mesh)
-                                              : errors_of(unrolled(result.mesh.view()));
+                                              : errors_of(kit::unrolled(result.mesh.view()));
     const double energy = errors.energy;
     const auto made = [&] { return result.mesh; };
     progress.end(mesh.distinct_count(), energy, made);
@@ -16544,17 +16541,17 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
 
 namespace hmesh {
 
-/// Which values are interpolated between the corners of a face.
-enum class Interpolation : std::uint8_t {
-    encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
-    /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
-    /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
-    /// Costs another 15 ns a pixel and channel.
-    linear,
-};
-
 /// Options of render().
 struct RenderOptions {
+    /// Which values are interpolated between the corners of a face.
+    enum class Interpolation : std::uint8_t {
+        encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
+        /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
+        /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
+        /// Costs another 15 ns a pixel and channel.
+        linear,
+    };
+
     std::optional<int> width{},                            ///< px of the picture, 1 to kit::max_side; empty: the mesh's width
         height{};                                          ///< px of the picture, 1 to kit::max_side; empty: the mesh's height
     Interpolation interpolation = Interpolation::encoded;  ///< which values are interpolated
@@ -16654,7 +16651,8 @@ struct Bands {
 
 /// Whether the mesh can be drawn into a picture of C channels and this size.
 template <int C>
-[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height, Interpolation interpolation) noexcept {
+[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height,
+                                   RenderOptions::Interpolation interpolation) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     if (width < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel wide", width, 1};
@@ -16675,9 +16673,9 @@ template <int C>
     if (const Status status = check(mesh, kit::max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
-    if (interpolation != Interpolation::encoded && interpolation != Interpolation::linear)
+    if (interpolation != RenderOptions::Interpolation::encoded && interpolation != RenderOptions::Interpolation::linear)
         return {Errc::invalid_argument, "the interpolation is none of those known", static_cast<int>(interpolation), 1};
-    if (interpolation == Interpolation::linear && mesh.premultiplied)
+    if (interpolation == RenderOptions::Interpolation::linear && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied"};
     return {};
 }
@@ -16730,14 +16728,14 @@ template <int C>
     result.status = detail::check_drawing<C>(mesh, width, height, options.interpolation);
     if (!result.status) return result;
     if (mesh.periodic != Periodic::none) {
-        const Mesh whole = unrolled(mesh);
+        const Mesh whole = kit::unrolled(mesh);
         return render<C>(whole.view(), options, parallel_for);
     }
-    const bool is_linear = options.interpolation == Interpolation::linear;
+    const bool is_linear = options.interpolation == RenderOptions::Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
-    const double from_right = extent(mesh.width, mesh.samples), from_bottom = extent(mesh.height, mesh.samples);
-    const double to_right = extent(width, mesh.samples), to_bottom = extent(height, mesh.samples);
+    const double from_right = kit::extent(mesh.width, mesh.samples), from_bottom = kit::extent(mesh.height, mesh.samples);
+    const double to_right = kit::extent(width, mesh.samples), to_bottom = kit::extent(height, mesh.samples);
     const double shift = kit::inset(mesh.samples);
     const kit::FarSides sides = kit::far_sides(width, height, mesh.samples);
     kit::Array<kit::Point> at(mesh.vertex_count);
@@ -17270,7 +17268,7 @@ class LinearLight {
     if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };
     if (mesh.periodic != Periodic::none)
-        if (const Status status = check_periodic(mesh.view()); !status) return status;
+        if (const Status status = kit::check_periodic(mesh.view()); !status) return status;
     for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
         if (!is_inside(mesh, v)) return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)

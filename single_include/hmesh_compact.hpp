@@ -1472,8 +1472,8 @@ struct CompactHead {
     /// Makes the image's rectangle the frame.
     void frame_image() noexcept {
         left = top = 0;
-        frame_width = static_cast<std::uint32_t>(extent(width, samples)) * 256U;
-        frame_height = static_cast<std::uint32_t>(extent(height, samples)) * 256U;
+        frame_width = static_cast<std::uint32_t>(kit::extent(width, samples)) * 256U;
+        frame_height = static_cast<std::uint32_t>(kit::extent(height, samples)) * 256U;
     }
     /// Whether it is.
     [[nodiscard]] bool is_image_framed() const noexcept {
@@ -2339,7 +2339,7 @@ class CompactWriter {
         if (const Status status = find_faces(); !status) return status;
         find_colors();
         if (head_.periodic != Periodic::none)
-            if (const Status status = check_periodic(*mesh_); !status) return status;
+            if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         if (options.bare && !is_bare(head_))
             return {Errc::invalid_argument, "a bare compact mesh must have peak 255, 8 bits, positions of whole px and no holes"};
         return {};
@@ -2654,7 +2654,7 @@ class CompactWriter {
     out.linear = head.linear;
     out.colors = head.colors;
     if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
-    return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
+    return head.periodic == Periodic::none ? Status() : kit::check_periodic(out.mesh.view());
 }
 
 }  // namespace detail

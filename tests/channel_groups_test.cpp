@@ -20,15 +20,14 @@ namespace {
 
 using hmesh::ChannelGroup;
 using hmesh::ChannelGroups;
-using hmesh::ChannelMeaning;
 using hmesh_test::Bytes;
 
 // Albedo with alpha, normal, roughness, two numbers, a second colour: 13 channels.
-constexpr std::array<ChannelGroup, 5> material = {{{"albedo", ChannelMeaning::color, 4},
-                                                   {"normal", ChannelMeaning::normal, 3},
-                                                   {"rough", ChannelMeaning::data, 1},
-                                                   {"Flow", ChannelMeaning::data, 2},
-                                                   {"glow", ChannelMeaning::color, 3}}};
+constexpr std::array<ChannelGroup, 5> material = {{{"albedo", ChannelGroup::Meaning::color, 4},
+                                                   {"normal", ChannelGroup::Meaning::normal, 3},
+                                                   {"rough", ChannelGroup::Meaning::data, 1},
+                                                   {"Flow", ChannelGroup::Meaning::data, 2},
+                                                   {"glow", ChannelGroup::Meaning::color, 3}}};
 
 template <std::size_t n>
 ChannelGroups view(const std::array<ChannelGroup, n>& groups) {
@@ -175,7 +174,7 @@ TEST_CASE("groups of channels become attributes of glTF, as many bits as they ar
 TEST_CASE("a normal without direction looks to the viewer") {
     hmesh::Mesh mesh = hmesh_test::two_faces(3);
     for (float& value : mesh.colors) value = 127.5F;
-    const std::array<ChannelGroup, 1> groups = {{{"normal", ChannelMeaning::normal, 3}}};
+    const std::array<ChannelGroup, 1> groups = {{{"normal", ChannelGroup::Meaning::normal, 3}}};
     hmesh::GltfOptions options;
     options.groups = view(groups);
     const Bytes bytes = written(mesh, options);
@@ -188,7 +187,7 @@ TEST_CASE("a normal without direction looks to the viewer") {
 TEST_CASE("one group that is a colour writes what no groups write") {
     for (const int channels : {1, 3, 4}) {
         const hmesh::Mesh mesh = random_mesh(channels);
-        const std::array<ChannelGroup, 1> groups = {{{"any", ChannelMeaning::color, channels}}};
+        const std::array<ChannelGroup, 1> groups = {{{"any", ChannelGroup::Meaning::color, channels}}};
         hmesh::GltfOptions glb;
         hmesh::PlyOptions ply;
         const Bytes plain = written(mesh, glb);
@@ -257,9 +256,9 @@ TEST_CASE("groups that do not describe the mesh are refused with their number, a
     CHECK(check(view(material), mesh.view()));
     CHECK(check(ChannelGroups(), mesh.view()));
     for (const int channels : {0, -1, 5, 1 << 30}) refuse(2, 2, [&](ChannelGroup& group) { group.channels = channels; });
-    refuse(1, 1, [](ChannelGroup& group) { group.channels = 4; });                      // of a normal
-    refuse(4, 4, [](ChannelGroup& group) { group.meaning = ChannelMeaning::normal; });  // a second one
-    refuse(0, 0, [](ChannelGroup& group) { group.meaning = static_cast<ChannelMeaning>(3); });
+    refuse(1, 1, [](ChannelGroup& group) { group.channels = 4; });                             // of a normal
+    refuse(4, 4, [](ChannelGroup& group) { group.meaning = ChannelGroup::Meaning::normal; });  // a second one
+    refuse(0, 0, [](ChannelGroup& group) { group.meaning = static_cast<ChannelGroup::Meaning>(3); });
     for (const char* name : {"", "a b", "a\"", "\xc3\xa4", "a-b"}) refuse(3, 3, [&](ChannelGroup& group) { group.name = name; });
     refuse(3, 3, [](ChannelGroup& group) { group.name = nullptr; });
     for (const char* name : {"x", "NZ", "Red", "alpha", "intensity"})

@@ -253,7 +253,7 @@ TEST_CASE("a periodic mesh with a jagged cut comes back, and one that does not j
     mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, -1, 2, 2, 2};
     mesh.colors = {1, 2, 3, 1, 2, 3, 7, 8, 9, 7, 8, 9, 4, 5, 6, 4, 5, 6};
     mesh.faces = {{0, 1, 3}, {1, 2, 3}, {3, 5, 4}, {3, 2, 5}};
-    REQUIRE(hmesh::check_periodic(mesh.view()));
+    REQUIRE(hmesh::kit::check_periodic(mesh.view()));
     const CompactMesh back = read(compact(mesh));
     REQUIRE(back.status);
     CHECK(hmesh_test::difference(mesh, back.mesh) == "");

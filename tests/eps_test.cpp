@@ -176,7 +176,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
     CHECK(stored.entries.find("/ASCII85Decode filter dup /FlateDecode filter\n") != std::string::npos);
     CHECK(plain.entries.find("FlateDecode") == std::string::npos);
     CHECK(unstored(stored.data) == plain.data);
-    for (const hmesh::Deflate bad : {fail_to_compress, compress_to_nothing}) {
+    for (const hmesh::PageOptions::Deflate bad : {fail_to_compress, compress_to_nothing}) {
         options.deflate = bad;
         std::string text;
         const hmesh::Status status = hmesh::write_eps(mesh.view(), hmesh::kit::append_to(text), options);

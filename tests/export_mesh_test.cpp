@@ -171,7 +171,8 @@ TEST_CASE("every format writes grey with alpha as the red, green, blue and alpha
         check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_pdf(mesh, sink); });
         check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_eps(mesh, sink); });
         check_same([](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_html(mesh, sink); });
-        for (const hmesh::SvgKind kind : {hmesh::SvgKind::gradient, hmesh::SvgKind::exact, hmesh::SvgKind::flat})
+        for (const hmesh::SvgOptions::Kind kind :
+             {hmesh::SvgOptions::Kind::gradient, hmesh::SvgOptions::Kind::exact, hmesh::SvgOptions::Kind::flat})
             check_same([=](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, {kind, true}); });
     }
 }

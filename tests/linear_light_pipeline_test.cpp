@@ -44,7 +44,7 @@ hmesh::LinearLightOptions whole_numbers() {
 // The PSNR of the mesh as it is drawn, dB.
 double psnr_of(const Pixels& image, const Mesh& mesh, bool linear_light) {
     hmesh::RenderOptions options;
-    if (linear_light) options.interpolation = hmesh::Interpolation::linear;
+    if (linear_light) options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     return hmesh::psnr(image.view(), hmesh_test::drawn<4>(mesh, options).view());
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("premultiplied meshes are neither fitted for linear light nor drawn in
     CHECK(fit_linear_light(fitted, image.view()).status.code == Errc::invalid_argument);
     CHECK(hmesh_test::same_bytes(fitted, mesh));
     hmesh::RenderOptions options;
-    options.interpolation = hmesh::Interpolation::linear;
+    options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     const hmesh::RenderResult<4> picture = hmesh::render<4>(mesh.view(), options);
     CHECK(picture.status.code == Errc::invalid_argument);
     CHECK(picture.image.size() == 0);

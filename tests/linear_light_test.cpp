@@ -176,7 +176,7 @@ void check_stationary(const Image<T, C>& image, const Mesh& mesh) {
 template <class T, int C>
 double rendered_error(const Image<T, C>& image, const Mesh& mesh) {
     hmesh::RenderOptions options;
-    options.interpolation = hmesh::Interpolation::linear;
+    options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     const hmesh::RenderResult<C> drawn = hmesh::render<C>(mesh.view(), options);
     REQUIRE(drawn.status);
     double energy = 0;

@@ -66,7 +66,7 @@ Listener check_meshes(const Image<T, C>& image, Options options, const Recipe& r
         if (options.periodic == hmesh::Periodic::none) {
             CHECK(hmesh_test::flaw_of(mesh.view(), image.width(), image.height()) == "");
             CHECK(mesh.vertex_count() == one.vertices);
-        } else CHECK(hmesh::check_periodic(mesh.view()));
+        } else CHECK(hmesh::kit::check_periodic(mesh.view()));
         CHECK(mesh.colors.size() == C * mesh.vertex_count());
         CHECK(mesh.premultiplied == options.premultiplied);
         using Traits = hmesh::PixelTraits<T>;

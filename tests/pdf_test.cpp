@@ -314,7 +314,7 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
         REQUIRE(plain[i].data.size() > 65535);
         CHECK(unstored(objects[i].data) == plain[i].data);
     }
-    for (const hmesh::Deflate bad : {fail_to_compress, compress_to_nothing}) {
+    for (const hmesh::PageOptions::Deflate bad : {fail_to_compress, compress_to_nothing}) {
         options.deflate = bad;
         std::string text;
         for (const hmesh::MeshView& view : {mesh.view(), opaque.view()}) {

@@ -31,7 +31,6 @@
 #include "test_sanitized.hpp"
 
 using hmesh::Annealed;
-using hmesh::check_periodic;
 using hmesh::Effort;
 using hmesh::Errc;
 using hmesh::Image;
@@ -41,6 +40,7 @@ using hmesh::Options;
 using hmesh::Periodic;
 using hmesh::Result;
 using hmesh::Target;
+using hmesh::kit::check_periodic;
 
 namespace {
 
@@ -307,7 +307,7 @@ TEST_CASE("colours for linear light are one for the copies of a vertex, and no w
         CHECK(check_periodic(mesh.view()));
         if (straight) continue;
         hmesh::RenderOptions in_light;
-        in_light.interpolation = hmesh::Interpolation::linear;
+        in_light.interpolation = hmesh::RenderOptions::Interpolation::linear;
         const Image<float, 3> drawn = hmesh_test::drawn<3>(mesh, in_light);
         double energy = 0;
         for (int y = 0; y < 60; ++y)
@@ -323,7 +323,7 @@ TEST_CASE("colours for linear light are one for the copies of a vertex, and no w
 TEST_CASE("pictures of periodic meshes have the copies that cover the image, models the mesh as it is") {
     const auto image = hmesh_test::noise<std::uint8_t, 3>(40, 30, 4);
     const Mesh mesh = mesh_image(image.view(), periodic(Periodic::xy, 120)).mesh;
-    const Mesh whole = hmesh::unrolled(mesh.view());
+    const Mesh whole = hmesh::kit::unrolled(mesh.view());
     REQUIRE(whole.face_count() > mesh.face_count());
     using Bytes = std::vector<unsigned char>;
     const auto bytes_of = [](auto&& write) {

@@ -21,7 +21,6 @@ namespace {
 using hmesh::Errc;
 using hmesh::Image;
 using hmesh::ImageView;
-using hmesh::Interpolation;
 using hmesh::Mesh;
 using hmesh::MeshView;
 using hmesh::RenderOptions;
@@ -399,7 +398,7 @@ TEST_CASE("a mesh or size that cannot be drawn gives a Status and no picture") {
     CHECK(wrong_channels.status.value == 1);
     CHECK(wrong_channels.status.limit == 3);
     CHECK(wrong_channels.image.size() == 0);
-    CHECK(render_status(good.view(), {{}, {}, static_cast<Interpolation>(2)}).code == Errc::invalid_argument);
+    CHECK(render_status(good.view(), {{}, {}, static_cast<RenderOptions::Interpolation>(2)}).code == Errc::invalid_argument);
 }
 
 TEST_CASE("a side that is not given is the mesh's own") {
@@ -422,7 +421,7 @@ TEST_CASE("in linear light colours are held to the range and interpolated as lig
         mesh.colors.insert(mesh.colors.end(), (is_light ? light : dark).begin(), (is_light ? light : dark).end());
     }
     RenderOptions options{32, 6};
-    options.interpolation = Interpolation::linear;
+    options.interpolation = RenderOptions::Interpolation::linear;
     const Image<float, 4> image = drawn<4>(mesh.view(), options);
     const auto decoded = [](double share) { return share <= 0.04045 ? share / 12.92 : std::pow((share + 0.055) / 1.055, 2.4); };
     const auto encoded = [](double l) { return l <= 0.0031308 ? 12.92 * l : 1.055 * std::pow(l, 1 / 2.4) - 0.055; };

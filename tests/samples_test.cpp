@@ -429,7 +429,7 @@ TEST_CASE("levels of detail, colours for linear light and sprites are for points
     const hmesh::LinearLightReport report = hmesh::fit_linear_light(light, image.view());
     REQUIRE(report.status);
     hmesh::RenderOptions linear;
-    linear.interpolation = hmesh::Interpolation::linear;
+    linear.interpolation = hmesh::RenderOptions::Interpolation::linear;
     const Image<float, 4> picture = hmesh_test::drawn<4>(light, linear);
     double energy = 0;
     for (std::size_t k = 0; k < picture.size(); ++k)

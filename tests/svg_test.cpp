@@ -19,11 +19,12 @@
 
 namespace {
 
-using hmesh::SvgKind;
 using hmesh::SvgOptions;
 using hmesh_test::two_faces;
 
-SvgOptions of_kind(SvgKind kind) {
+using Kind = SvgOptions::Kind;
+
+SvgOptions of_kind(Kind kind) {
     SvgOptions options;
     options.kind = kind;
     return options;
@@ -35,7 +36,7 @@ std::string written(const hmesh::MeshView& mesh, const SvgOptions& options) {
     return text;
 }
 
-constexpr std::array<SvgKind, 3> kinds = {SvgKind::gradient, SvgKind::exact, SvgKind::flat};
+constexpr std::array<Kind, 3> kinds = {Kind::gradient, Kind::exact, Kind::flat};
 
 // Faces that share no corner, of any shape from fat to a hundredth of a pixel thin, in any colours.
 hmesh::Mesh random_faces(int channels, int count, std::uint64_t seed) {
@@ -231,7 +232,7 @@ double least_error(const Face& face, double dx, double dy) {
 }
 
 void check_refused(const hmesh::MeshView& mesh, hmesh::Errc code) {
-    for (const SvgKind kind : kinds) {
+    for (const Kind kind : kinds) {
         std::string text;
         const hmesh::Status status = hmesh::write_svg(mesh, hmesh::kit::append_to(text), of_kind(kind));
         CHECK(status.code == code);
@@ -257,9 +258,9 @@ hmesh::Mesh golden_mesh() {
 
 TEST_CASE("a mesh of two faces is written as these bytes, in each kind") {
     const hmesh::Mesh mesh = golden_mesh();
-    CHECK(written(mesh.view(), of_kind(SvgKind::flat)) ==
+    CHECK(written(mesh.view(), of_kind(Kind::flat)) ==
           head + "<path fill=\"#1400ff\" d=\"M0 0 3 0 3 2z\"/>\n<path fill=\"#0a55ff\" d=\"M0 0 3 2 0 1.504z\"/>\n</svg>\n");
-    CHECK(written(mesh.view(), of_kind(SvgKind::gradient)) ==
+    CHECK(written(mesh.view(), of_kind(Kind::gradient)) ==
           head + R"svg(<linearGradient id="a" gradientUnits="userSpaceOnUse" x1="3" y1="0.67" x2="0" y2="0.67">)svg"
                  R"svg(<stop offset="0" stop-color="#1e00ff"/>)svg"
                  R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>)svg"
@@ -270,32 +271,32 @@ TEST_CASE("a mesh of two faces is written as these bytes, in each kind") {
                  R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
 </svg>
 )svg");
-    CHECK(written(mesh.view(), of_kind(SvgKind::exact)) == head +
-                                                               R"svg(<g style="isolation:isolate">
+    CHECK(written(mesh.view(), of_kind(Kind::exact)) == head +
+                                                            R"svg(<g style="isolation:isolate">
 <path d="M0 0H3V2H0z"/>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_r" gradientUnits="userSpaceOnUse">)svg"
-                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-                                                               R"svg(<stop offset="1" stop-color="#ff0000"/></linearGradient>
+                                                            R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                            R"svg(<stop offset="1" stop-color="#ff0000"/></linearGradient>
 <linearGradient id="a" xlink:href="#_r" x1="0" y1="0.667" x2="25.5" y2="0.667"/>)svg"
-                                                               R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
+                                                            R"svg(<path fill="url(#a)" d="M0 0 3 0 3 2z"/>
 <linearGradient id="b" xlink:href="#_r" x1="0" y1="1.168" x2="25.5" y2="1.168"/>)svg"
-                                                               R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
+                                                            R"svg(<path fill="url(#b)" d="M0 0 3 2 0 1.504z"/>
 </g>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_g" gradientUnits="userSpaceOnUse">)svg"
-                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-                                                               R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>
+                                                            R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                            R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>
 <path fill="#000000" d="M0 0 3 0 3 2z"/>
 <linearGradient id="c" xlink:href="#_g" x1="1.2314" y1="0.8209" x2="0.5373" y2="1.8621">)svg"
-                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-                                                               R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>)svg"
-                                                               R"svg(<path fill="url(#c)" d="M0 0 3 2 0 1.504z"/>
+                                                            R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                            R"svg(<stop offset="1" stop-color="#00ff00"/></linearGradient>)svg"
+                                                            R"svg(<path fill="url(#c)" d="M0 0 3 2 0 1.504z"/>
 </g>
 <g style="mix-blend-mode:screen">
 <linearGradient id="_b" gradientUnits="userSpaceOnUse">)svg"
-                                                               R"svg(<stop offset="0" stop-color="#000000"/>)svg"
-                                                               R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>
+                                                            R"svg(<stop offset="0" stop-color="#000000"/>)svg"
+                                                            R"svg(<stop offset="1" stop-color="#0000ff"/></linearGradient>
 <path fill="#0000ff" d="M0 0 3 0 3 2z"/>
 <path fill="#0000ff" d="M0 0 3 2 0 1.504z"/>
 </g>
@@ -305,19 +306,19 @@ TEST_CASE("a mesh of two faces is written as these bytes, in each kind") {
 }
 
 TEST_CASE("the wireframe is every edge once, over the faces") {
-    SvgOptions options = of_kind(SvgKind::flat);
+    SvgOptions options = of_kind(Kind::flat);
     options.wireframe = true;
     const std::string with = written(two_faces(3, 30).view(), options);
     const std::string lines =
         "<path fill=\"none\" stroke=\"#fff\" stroke-opacity=\".5\" vector-effect=\"non-scaling-stroke\" "
         "shape-rendering=\"auto\" d=\"M0 0 3 0 3 2 0 2M0 0 3 2M0 0 0 2\"/>\n</svg>\n";
-    const std::string without = written(two_faces(3, 30).view(), of_kind(SvgKind::flat));
+    const std::string without = written(two_faces(3, 30).view(), of_kind(Kind::flat));
     CHECK(with == without.substr(0, without.size() - 7) + lines);
 }
 
 TEST_CASE("in the exact kind every corner has its colour, within a step of 8 bits") {
     const hmesh::Mesh mesh = random_faces(3, 300, 1);
-    const std::vector<Paint> paints = read_svg(written(mesh.view(), of_kind(SvgKind::exact)));
+    const std::vector<Paint> paints = read_svg(written(mesh.view(), of_kind(Kind::exact)));
     REQUIRE(paints.size() == 3 * mesh.face_count());
     double worst = 0;
     for (std::size_t i = 0; i < paints.size(); ++i) {
@@ -337,8 +338,8 @@ TEST_CASE("in the exact kind every corner has its colour, within a step of 8 bit
 
 TEST_CASE("the gradient kind is as good as any gradient of any direction, and never worse than flat") {
     const hmesh::Mesh mesh = random_faces(3, 60, 2);
-    const std::vector<Paint> gradients = read_svg(written(mesh.view(), of_kind(SvgKind::gradient)));
-    const std::vector<Paint> flats = read_svg(written(mesh.view(), of_kind(SvgKind::flat)));
+    const std::vector<Paint> gradients = read_svg(written(mesh.view(), of_kind(Kind::gradient)));
+    const std::vector<Paint> flats = read_svg(written(mesh.view(), of_kind(Kind::flat)));
     REQUIRE(gradients.size() == mesh.face_count());
     REQUIRE(flats.size() == mesh.face_count());
     constexpr double rounding = 1.2;  // 0.5 for colours off by up to 1/2, 0.7 for third stops that are left out
@@ -366,7 +367,7 @@ TEST_CASE("the gradient kind is as good as any gradient of any direction, and ne
 TEST_CASE("offsets rise and all that is written is a number, for colours within and outside of the range") {
     hmesh::Mesh mesh = random_faces(3, 100, 3);
     for (float& value : mesh.colors) value = 3 * value - 255;  // held to [0, 255]
-    for (const SvgKind kind : kinds) {
+    for (const Kind kind : kinds) {
         const std::string text = written(mesh.view(), of_kind(kind));
         CHECK(text.find("nan") == std::string::npos);
         CHECK(text.find("inf") == std::string::npos);
@@ -379,16 +380,16 @@ TEST_CASE("offsets rise and all that is written is a number, for colours within 
 TEST_CASE("faces without area and faces of one colour are painted plainly") {
     hmesh::Mesh mesh = two_faces(3, 30);
     mesh.positions = {0, 0, 1, 1, 2, 2, 3, 3};
-    for (const SvgKind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
+    for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
     mesh = two_faces(3, 30);
     std::fill(mesh.colors.begin(), mesh.colors.end(), 77.0F);
-    for (const SvgKind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
+    for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
 }
 
 TEST_CASE("one channel is grey, by one gradient that is exact, without blending") {
     hmesh::Mesh mesh = random_faces(1, 100, 4);
-    const std::string text = written(mesh.view(), of_kind(SvgKind::gradient));
-    CHECK(text == written(mesh.view(), of_kind(SvgKind::exact)));
+    const std::string text = written(mesh.view(), of_kind(Kind::gradient));
+    CHECK(text == written(mesh.view(), of_kind(Kind::exact)));
     CHECK(text.find("<g") == std::string::npos);
     const std::vector<Paint> paints = read_svg(text);
     REQUIRE(paints.size() == mesh.face_count());
@@ -403,14 +404,14 @@ TEST_CASE("one channel is grey, by one gradient that is exact, without blending"
 
 TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
     hmesh::Mesh mesh = two_faces(4, 30);
-    for (const SvgKind kind : kinds) {
+    for (const Kind kind : kinds) {
         const std::string text = written(mesh.view(), of_kind(kind));
         const std::size_t begin = text.find("<mask"), end = text.find("</mask>\n<g mask=\"url(#_m)\">\n");
         REQUIRE(begin != std::string::npos);
         REQUIRE(end != std::string::npos);
         const std::vector<Paint> alpha = read_svg(text.substr(begin, end - begin));
         REQUIRE(alpha.size() == 2);
-        if (kind == SvgKind::flat) CHECK(alpha[0].gradient.colors == std::vector<Rgb>{{100, 100, 100}});
+        if (kind == Kind::flat) CHECK(alpha[0].gradient.colors == std::vector<Rgb>{{100, 100, 100}});
         else
             for (std::size_t k = 0; k < 3; ++k)
                 for (const double value : alpha[0].gradient.at(alpha[0].points[2 * k], alpha[0].points[2 * k + 1]))
@@ -421,14 +422,14 @@ TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
         mesh.colors[4 * v + 3] = 255;
         for (std::size_t k = 0; k < 3; ++k) opaque.colors[3 * v + k] = mesh.colors[4 * v + k];
     }
-    for (const SvgKind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)) == written(opaque.view(), of_kind(kind)));
+    for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)) == written(opaque.view(), of_kind(kind)));
 }
 
 TEST_CASE("colours multiplied by alpha are divided by it, and corners without alpha bring no fringe") {
     hmesh::Mesh mesh = two_faces(4, 30);
     mesh.colors = {100, 50, 0, 127.5F, 0, 0, 0, 0, 200, 100, 0, 255, 0, 0, 0, 0};
     mesh.premultiplied = true;
-    const std::string text = written(mesh.view(), of_kind(SvgKind::flat));
+    const std::string text = written(mesh.view(), of_kind(Kind::flat));
     const std::vector<Paint> paints = read_svg(text.substr(text.find("</mask>")));
     REQUIRE(paints.size() == 2);
     for (const Paint& paint : paints) CHECK(paint.gradient.colors == std::vector<Rgb>{{200, 100, 0}});
@@ -436,7 +437,7 @@ TEST_CASE("colours multiplied by alpha are divided by it, and corners without al
 
 TEST_CASE("the bytes do not depend on the locale") {
     const hmesh::Mesh mesh = random_faces(3, 20, 5);
-    for (const SvgKind kind : kinds)
+    for (const Kind kind : kinds)
         hmesh_test::check_locale_makes_no_difference(mesh.view(), [=](const hmesh::MeshView& view, hmesh::Sink sink) {
             return hmesh::write_svg(view, sink, of_kind(kind));
         });
@@ -444,7 +445,7 @@ TEST_CASE("the bytes do not depend on the locale") {
 
 TEST_CASE("a sink that refuses after some bytes gets no more and is reported, wherever that is") {
     const hmesh::Mesh mesh = random_faces(3, 12, 6);
-    SvgOptions options = of_kind(SvgKind::exact);
+    SvgOptions options = of_kind(Kind::exact);
     options.wireframe = true;
     const std::size_t size = written(mesh.view(), options).size();
     REQUIRE(size > 4096);
@@ -496,7 +497,7 @@ TEST_CASE("a kind that is none of those known is refused") {
     for (const int bad : {3, 255}) {
         std::string text;
         const hmesh::Status status =
-            hmesh::write_svg(two_faces(3, 30).view(), hmesh::kit::append_to(text), of_kind(static_cast<SvgKind>(bad)));
+            hmesh::write_svg(two_faces(3, 30).view(), hmesh::kit::append_to(text), of_kind(static_cast<Kind>(bad)));
         CHECK(status.code == hmesh::Errc::invalid_argument);
         CHECK(status.value == bad);
         CHECK(text.empty());
@@ -504,7 +505,7 @@ TEST_CASE("a kind that is none of those known is refused") {
 }
 
 TEST_CASE("a mesh of nothing shows nothing, and the black that layers are screened on is masked where there are no faces") {
-    for (const SvgKind kind : {SvgKind::gradient, SvgKind::exact, SvgKind::flat}) {
+    for (const Kind kind : {Kind::gradient, Kind::exact, Kind::flat}) {
         hmesh::SvgOptions options;
         options.kind = kind;
         options.wireframe = true;
@@ -520,6 +521,6 @@ TEST_CASE("a mesh of nothing shows nothing, and the black that layers are screen
         };
         CHECK_FALSE(has_mask());
         opaque.faces.pop_back();
-        CHECK(has_mask() == (kind == SvgKind::exact));
+        CHECK(has_mask() == (kind == Kind::exact));
     }
 }

@@ -10,10 +10,10 @@
 
 #include "periodic_sheets.hpp"
 
-using hmesh::check_periodic;
 using hmesh::Mesh;
 using hmesh::Periodic;
 using hmesh::Triangle;
+using hmesh::kit::check_periodic;
 using hmesh::kit::Point;
 using hmesh::kit::Torus;
 using hmesh::kit::Turns;

@@ -30,7 +30,7 @@ Mesh leaning(float lean) {
 
 TEST_CASE("copies of a leaning strip cover its image, each place once") {
     for (const float lean : {0.5F, 3.0F, 9.0F, -6.5F}) {
-        const Mesh whole = hmesh::unrolled(leaning(lean).view());
+        const Mesh whole = hmesh::kit::unrolled(leaning(lean).view());
         REQUIRE(whole.periodic == Periodic::none);
         for (std::int64_t y = 7; y < 512; y += 61)
             for (std::int64_t x = 5; x < 1024; x += 37)
@@ -45,16 +45,16 @@ TEST_CASE("copies of a leaning strip cover its image, each place once") {
 
 TEST_CASE("a mesh that stands nowhere out of its image comes back as it is") {
     Mesh mesh = leaning(0);
-    const Mesh straight = hmesh::unrolled(mesh.view());
+    const Mesh straight = hmesh::kit::unrolled(mesh.view());
     CHECK(straight.faces == mesh.faces);
     CHECK(straight.positions == mesh.positions);
     mesh = leaning(3);
     mesh.periodic = Periodic::none;
-    CHECK(hmesh::unrolled(mesh.view()).faces == mesh.faces);
+    CHECK(hmesh::kit::unrolled(mesh.view()).faces == mesh.faces);
 }
 
 TEST_CASE("faces far outside are left where they are") {
     Mesh mesh = leaning(0);
     mesh.positions[0] = -1e9F;
-    CHECK(hmesh::unrolled(mesh.view()).face_count() <= 4);
+    CHECK(hmesh::kit::unrolled(mesh.view()).face_count() <= 4);
 }

@@ -126,7 +126,7 @@ template <int C>
     const kit::RenderedError errors =
         is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
         : source.periodic() == Periodic::none ? errors_of(result.mesh)
-                                              : errors_of(unrolled(result.mesh.view()));
+                                              : errors_of(kit::unrolled(result.mesh.view()));
     const double energy = errors.energy;
     const auto made = [&] { return result.mesh; };
     progress.end(mesh.distinct_count(), energy, made);

@@ -34,17 +34,17 @@
 
 namespace hmesh {
 
-/// Which values are interpolated between the corners of a face.
-enum class Interpolation : std::uint8_t {
-    encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
-    /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
-    /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
-    /// Costs another 15 ns a pixel and channel.
-    linear,
-};
-
 /// Options of render().
 struct RenderOptions {
+    /// Which values are interpolated between the corners of a face.
+    enum class Interpolation : std::uint8_t {
+        encoded,  ///< the stored values, as GPUs do with colours that they take for plain numbers
+        /// Linear light, as glTF renderers do: colours are clamped to [0, peak], decoded from sRGB (IEC 61966-2-1) and
+        /// interpolated; pixels are encoded again. Alpha, the last of 2 or 4 channels, is clamped to [0, peak] but not decoded.
+        /// Costs another 15 ns a pixel and channel.
+        linear,
+    };
+
     std::optional<int> width{},                            ///< px of the picture, 1 to kit::max_side; empty: the mesh's width
         height{};                                          ///< px of the picture, 1 to kit::max_side; empty: the mesh's height
     Interpolation interpolation = Interpolation::encoded;  ///< which values are interpolated
@@ -144,7 +144,8 @@ struct Bands {
 
 /// Whether the mesh can be drawn into a picture of C channels and this size.
 template <int C>
-[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height, Interpolation interpolation) noexcept {
+[[nodiscard]] Status check_drawing(const MeshView& mesh, int width, int height,
+                                   RenderOptions::Interpolation interpolation) noexcept {
     if (mesh.width < 1) return {Errc::invalid_argument, "the mesh's width must be at least 1", mesh.width, 1};
     if (mesh.height < 1) return {Errc::invalid_argument, "the mesh's height must be at least 1", mesh.height, 1};
     if (width < 1) return {Errc::invalid_argument, "the picture to draw must be at least 1 pixel wide", width, 1};
@@ -165,9 +166,9 @@ template <int C>
     if (const Status status = check(mesh, kit::max_channels); !status) return status;
     if (mesh.channels != C)
         return {Errc::invalid_argument, "the mesh has not the picture's number of channels", mesh.channels, C};
-    if (interpolation != Interpolation::encoded && interpolation != Interpolation::linear)
+    if (interpolation != RenderOptions::Interpolation::encoded && interpolation != RenderOptions::Interpolation::linear)
         return {Errc::invalid_argument, "the interpolation is none of those known", static_cast<int>(interpolation), 1};
-    if (interpolation == Interpolation::linear && mesh.premultiplied)
+    if (interpolation == RenderOptions::Interpolation::linear && mesh.premultiplied)
         return {Errc::invalid_argument, "linear light is drawn from straight colours, and the mesh's are premultiplied"};
     return {};
 }
@@ -220,14 +221,14 @@ template <int C>
     result.status = detail::check_drawing<C>(mesh, width, height, options.interpolation);
     if (!result.status) return result;
     if (mesh.periodic != Periodic::none) {
-        const Mesh whole = unrolled(mesh);
+        const Mesh whole = kit::unrolled(mesh);
         return render<C>(whole.view(), options, parallel_for);
     }
-    const bool is_linear = options.interpolation == Interpolation::linear;
+    const bool is_linear = options.interpolation == RenderOptions::Interpolation::linear;
 
     // A position on the mesh's border comes out on the picture's: the product is exact and the quotient rounded once.
-    const double from_right = extent(mesh.width, mesh.samples), from_bottom = extent(mesh.height, mesh.samples);
-    const double to_right = extent(width, mesh.samples), to_bottom = extent(height, mesh.samples);
+    const double from_right = kit::extent(mesh.width, mesh.samples), from_bottom = kit::extent(mesh.height, mesh.samples);
+    const double to_right = kit::extent(width, mesh.samples), to_bottom = kit::extent(height, mesh.samples);
     const double shift = kit::inset(mesh.samples);
     const kit::FarSides sides = kit::far_sides(width, height, mesh.samples);
     kit::Array<kit::Point> at(mesh.vertex_count);

@@ -67,7 +67,7 @@ void check_file(const std::string& file, const hmesh::MeshView& mesh, const hmes
             else demand(ids.count(fill.substr(5, fill.size() - 6)) == 1, "a fill is a gradient above it");
         }
     });
-    const std::size_t layers = mesh.channels > 1 && options.kind == hmesh::SvgKind::exact ? 3 : 1;
+    const std::size_t layers = mesh.channels > 1 && options.kind == hmesh::SvgOptions::Kind::exact ? 3 : 1;
     demand(faces == mesh.face_count * (layers + (is_masked ? 1 : 0)), "every face is drawn in every layer");
     demand(wires == (options.wireframe ? 1 : 0), "the wireframe is drawn if it is wanted");
 }
@@ -79,7 +79,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     hmesh::SvgOptions options;
     const unsigned kind = input.byte();
     const bool is_known = kind < 200;
-    options.kind = static_cast<hmesh::SvgKind>(is_known ? kind % 3 : kind);
+    options.kind = static_cast<hmesh::SvgOptions::Kind>(is_known ? kind % 3 : kind);
     options.wireframe = input.one_in(3);
     hmesh_test::FuzzMesh mesh = hmesh_test::FuzzMeshDraw(input).mesh();
     mesh.is_good = mesh.is_good && is_known;

@@ -122,14 +122,14 @@ bool write_all(const hmesh::MeshView& mesh, const std::string& name) {
     hmesh::PageOptions eps;
     eps.deflate = tool::deflate;
     to.put("mesh.eps", [&](hmesh::Sink sink) { return hmesh::write_eps(mesh, sink, eps); });
-    const auto put_svg = [&](const char* file, hmesh::SvgKind kind) {
+    const auto put_svg = [&](const char* file, hmesh::SvgOptions::Kind kind) {
         hmesh::SvgOptions svg;
         svg.kind = kind;
         to.put(file, [&](hmesh::Sink sink) { return hmesh::write_svg(mesh, sink, svg); });
     };
-    put_svg("gradient.svg", hmesh::SvgKind::gradient);
-    put_svg("exact.svg", hmesh::SvgKind::exact);
-    put_svg("flat.svg", hmesh::SvgKind::flat);
+    put_svg("gradient.svg", hmesh::SvgOptions::Kind::gradient);
+    put_svg("exact.svg", hmesh::SvgOptions::Kind::exact);
+    put_svg("flat.svg", hmesh::SvgOptions::Kind::flat);
     to.put("mesh.html", [&](hmesh::Sink sink) { return hmesh::write_html(mesh, sink); });
     to.put_picture("reference.png", drawn<C>(mesh, 1));
     to.put_picture("reference4.png", drawn<C>(mesh, 4));

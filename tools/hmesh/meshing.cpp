@@ -266,7 +266,7 @@ template <int C>
     hmesh::RenderOptions render_options;
     render_options.width = options.scale * mesh.width;
     render_options.height = options.scale * mesh.height;
-    if (options.linear_light) render_options.interpolation = hmesh::Interpolation::linear;
+    if (options.linear_light) render_options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     return hmesh::render<C>(mesh, render_options, parallel_for);
 }
 

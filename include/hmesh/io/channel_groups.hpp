@@ -23,23 +23,23 @@
 
 namespace hmesh {
 
-/// What some channels of a mesh are.
-enum class ChannelMeaning : std::uint8_t {
-    /// 1 to 4 channels of an sRGB-encoded colour: grey, or red, green and blue; of 2 or 4 the last is alpha, and straight.
-    color,
-    /// 3 channels (n + 1) / 2 of a unit vector n, as shares of the peak: x to the right, y up and z toward the viewer, as in the
-    /// normal maps of OpenGL and glTF. Files hold n, with the length 1 that interpolation and fitting took from it.
-    normal,
-    /// 1 to 4 channels of any other numbers, such as roughness or height: shares of the peak, nothing is decoded.
-    data,
-};
-
 /// Channels of a mesh that belong together.
 struct ChannelGroup {
+    /// What some channels of a mesh are.
+    enum class Meaning : std::uint8_t {
+        /// 1 to 4 channels of an sRGB-encoded colour: grey, or red, green and blue; of 2 or 4 the last is alpha, and straight.
+        color,
+        /// 3 channels (n + 1) / 2 of a unit vector n, as shares of the peak: x to the right, y up and z toward the viewer, as in
+        /// the normal maps of OpenGL and glTF. Files hold n, with the length 1 that interpolation and fitting took from it.
+        normal,
+        /// 1 to 4 channels of any other numbers, such as roughness or height: shares of the peak, nothing is decoded.
+        data,
+    };
+
     /// Letters, digits and underscores of ASCII, at least one: the name in files, but for normals and the first colour.
     const char* name = "";
-    ChannelMeaning meaning = ChannelMeaning::data;  ///< what the channels are
-    int channels = 1;                               ///< how many, 1 to 4
+    Meaning meaning = Meaning::data;  ///< what the channels are
+    int channels = 1;                 ///< how many, 1 to 4
 };
 
 /// The groups of a mesh. What it points to outlives the call that it is handed to.
@@ -109,10 +109,10 @@ namespace detail {
     for (std::size_t i = 0; i < groups.count; ++i) {
         const ChannelGroup& group = groups.groups[i];
         if (group.channels < 1 || group.channels > 4) return bad("a group must have 1 to 4 channels, unlike group", i, 0);
-        if (group.meaning > ChannelMeaning::data) return bad("the meaning is none of those known, of group", i, 0);
-        if (group.meaning == ChannelMeaning::normal && group.channels != 3)
+        if (group.meaning > ChannelGroup::Meaning::data) return bad("the meaning is none of those known, of group", i, 0);
+        if (group.meaning == ChannelGroup::Meaning::normal && group.channels != 3)
             return bad("a normal must have 3 channels, unlike group", i, 0);
-        normals += group.meaning == ChannelMeaning::normal ? 1 : 0;
+        normals += group.meaning == ChannelGroup::Meaning::normal ? 1 : 0;
         if (normals > 1) return bad("a mesh has one normal at most, and another is group", i, 0);
         channels += static_cast<std::size_t>(group.channels);
         if (!detail::is_name(group.name))

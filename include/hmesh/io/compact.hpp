@@ -151,7 +151,7 @@ class CompactWriter {
         if (const Status status = find_faces(); !status) return status;
         find_colors();
         if (head_.periodic != Periodic::none)
-            if (const Status status = check_periodic(*mesh_); !status) return status;
+            if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         if (options.bare && !is_bare(head_))
             return {Errc::invalid_argument, "a bare compact mesh must have peak 255, 8 bits, positions of whole px and no holes"};
         return {};
@@ -466,7 +466,7 @@ class CompactWriter {
     out.linear = head.linear;
     out.colors = head.colors;
     if (const Status status = to_mesh(head, body, out.mesh); !status) return status;
-    return head.periodic == Periodic::none ? Status() : check_periodic(out.mesh.view());
+    return head.periodic == Periodic::none ? Status() : kit::check_periodic(out.mesh.view());
 }
 
 }  // namespace detail

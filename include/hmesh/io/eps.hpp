@@ -69,7 +69,7 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_eps(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);

@@ -198,12 +198,12 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     using Kind = GlbContent::Kind;
     const bool is_narrow = options.color_bits == 8;
     const auto number = is_narrow ? GlbNumber::u8 : GlbNumber::u16;
-    if (group.meaning == ChannelMeaning::color) {
+    if (group.meaning == ChannelGroup::Meaning::color) {
         int set = 0;
         for (const GlbAttribute& before : primitive.attributes) set += before.set >= 0 ? 1 : 0;
         material.blends = material.blends || (set == 0 && group.channels % 2 == 0);
         primitive.attributes.push_back({"COLOR", out.add({Kind::colors, first, group.channels}, number, 4, vertices), set});
-    } else if (group.meaning == ChannelMeaning::normal) {
+    } else if (group.meaning == ChannelGroup::Meaning::normal) {
         const auto vectors = !options.quantized_positions ? GlbNumber::f32 : is_narrow ? GlbNumber::i8 : GlbNumber::i16;
         material.is_lit = true;
         primitive.attributes.push_back({"NORMAL", out.add({Kind::normals, first, 3}, vectors, 3, vertices)});
@@ -235,7 +235,8 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
         channel += static_cast<std::size_t>(group.channels);
     }
     if (options.groups.is_empty())
-        add_group(out, primitive, material, {"color", ChannelMeaning::color, mesh.channels}, 0, mesh.vertex_count, options);
+        add_group(out, primitive, material, {"color", ChannelGroup::Meaning::color, mesh.channels}, 0, mesh.vertex_count,
+                  options);
     primitive.indices = add_indices(out, mesh);
     if (const Status status = check_glb_size(file); !status) return status;  // before so many are read
     if (const Status status = check_for_export(mesh, options.groups.is_empty() ? 4 : 16); !status) return status;

@@ -146,7 +146,7 @@ inline void write_html_original(Writer& writer, const HtmlOptions& options) {
 inline Status write_html(const MeshView& source, Sink sink, const HtmlOptions& options = {}) {
     if (const Status status = detail::check_for_html(source, options); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_html(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::kept);

@@ -12,12 +12,11 @@
 
 namespace hmesh {
 
-/// A compressor that the program brings, since the library has none: it puts the zlib stream (RFC 1950) of `bytes`, such as
-/// zlib's compress2() makes, into `out`, which is empty. It says whether it could; false or an empty `out` is a failure.
-using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
-
 /// Options of write_pdf() and write_eps(), which hold the mesh as the same stream of bytes.
 struct PageOptions {
+    /// A compressor that the program brings, since the library has none: it puts the zlib stream (RFC 1950) of `bytes`, such as
+    /// zlib's compress2() makes, into `out`, which is empty. It says whether it could; false or an empty `out` is a failure.
+    using Deflate = FunctionRef<bool(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out)>;
     /// Compresses the stream, to about a half: 12 bytes a vertex instead of 21 in PDF. What it refers to must live until the
     /// exporter returns. None: the stream is written as it is.
     Deflate deflate;

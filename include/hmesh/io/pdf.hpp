@@ -152,7 +152,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     detail::ShadingLayout layout;
     if (const Status status = detail::plan_shading(source, layout); !status) return status;
     if (source.periodic != Periodic::none) {
-        const Mesh whole = unrolled(source);
+        const Mesh whole = kit::unrolled(source);
         return write_pdf(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);

@@ -67,8 +67,8 @@ namespace detail {
 HMESH_COLD inline void write_ply_properties(Writer& writer, const ChannelGroup& group, bool has_color, bool are_floats) {
     constexpr std::array<const char*, 4> rgba{"red", "green", "blue", "alpha"}, unit{"nx", "ny", "nz", ""},
         suffixes{"_0", "_1", "_2", "_3"};
-    const bool is_normal = group.meaning == ChannelMeaning::normal;
-    const bool is_color = group.meaning == ChannelMeaning::color && !has_color;
+    const bool is_normal = group.meaning == ChannelGroup::Meaning::normal;
+    const bool is_color = group.meaning == ChannelGroup::Meaning::color && !has_color;
     for (std::size_t k = 0; k < static_cast<std::size_t>(group.channels); ++k) {
         writer.text(are_floats || is_normal ? "property float " : "property uchar ");
         if (is_normal) writer.text(unit[k]);
@@ -88,10 +88,10 @@ inline void write_ply_header(Writer& writer, const MeshView& mesh, const PlyOpti
     bool has_color = false;
     for (const ChannelGroup& group : options.groups) {
         write_ply_properties(writer, group, has_color, options.float_colors);
-        has_color = has_color || group.meaning == ChannelMeaning::color;
+        has_color = has_color || group.meaning == ChannelGroup::Meaning::color;
     }
     if (options.groups.is_empty())
-        write_ply_properties(writer, {"", ChannelMeaning::color, mesh.channels}, false, options.float_colors);
+        write_ply_properties(writer, {"", ChannelGroup::Meaning::color, mesh.channels}, false, options.float_colors);
     end_ply_head(writer, mesh);
 }
 
@@ -162,7 +162,7 @@ inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& opt
         numbers.f32(0);
         const float* color = mesh.colors + channels * v;
         for (const ChannelGroup& group : options.groups) {
-            if (group.meaning == ChannelMeaning::normal)
+            if (group.meaning == ChannelGroup::Meaning::normal)
                 for (const double x : detail::unit_normal(color, mesh.peak)) numbers.f32(static_cast<float>(x));
             else put_shares(color, static_cast<std::size_t>(group.channels));
             color += group.channels;

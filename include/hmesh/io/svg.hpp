@@ -2,9 +2,9 @@
 /// write_svg(): a mesh as an SVG picture, which browsers, Inkscape and office programs show.
 ///
 /// SVG has no mesh of coloured vertices (mesh gradients were dropped from SVG 2), so each face is a path, filled in one of three
-/// ways (SvgKind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing, every
-/// pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for the
-/// few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
+/// ways (SvgOptions::Kind). Edges of neighbours meet without a seam because the picture asks for crispEdges: no anti-aliasing,
+/// every pixel to the face that holds its centre. At its own size the exact kind is within a step of 8 bits of render() but for
+/// the few pixels beside needles narrower than what the viewer tells apart (1/256 px in librsvg). SVG interpolates in the stored
 /// (sRGB) values, as meshes are fitted. Colours are held to [0, peak] and rounded to 8 bits.
 ///
 /// Alpha is a mask of grey faces, left out where all is opaque. SVG interpolates colours before alpha is applied: those of
@@ -34,27 +34,27 @@
 
 namespace hmesh {
 
-/// How write_svg() fills faces. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of
-/// it, from grey gradients and without blending.
-enum class SvgKind : std::uint8_t {
-    gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
-    /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a gradient
-    /// shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
-    exact,
-    flat,  ///< the mean of the corners' colours: about 70 bytes a face
-};
-
 /// Options of write_svg().
 struct SvgOptions {
-    SvgKind kind = SvgKind::gradient;  ///< how faces are filled
-    bool wireframe = false;            ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
+    /// How faces are filled. A mesh of one channel needs one gradient a face, so gradient and exact are the same picture of it,
+    /// from grey gradients and without blending.
+    enum class Kind : std::uint8_t {
+        gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
+        /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a
+        /// gradient shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
+        exact,
+        flat,  ///< the mean of the corners' colours: about 70 bytes a face
+    };
+
+    Kind kind = Kind::gradient;  ///< how faces are filled
+    bool wireframe = false;      ///< all edges over the faces, thin, white and half transparent, as wide at any zoom
 };
 
 namespace detail {
 
 /// Refuses what write_svg() cannot draw. O(n).
 [[nodiscard]] inline Status check_for_svg(const MeshView& mesh, const SvgOptions& options) noexcept {
-    if (options.kind > SvgKind::flat)
+    if (options.kind > SvgOptions::Kind::flat)
         return {Errc::invalid_argument, "the kind of SVG is none of those known", static_cast<std::int64_t>(options.kind), 2};
     return check_for_export(mesh);
 }
@@ -132,7 +132,7 @@ class SvgPage {
     Status write() {
         begin();
         // What layers are screened on is black, and must not show where there are no faces.
-        const bool has_ground = options_.kind == SvgKind::exact && mesh_.channels == 4 && !is_covered();
+        const bool has_ground = options_.kind == SvgOptions::Kind::exact && mesh_.channels == 4 && !is_covered();
         const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
@@ -142,8 +142,8 @@ class SvgPage {
             writer_.text("</mask>\n<g mask=\"url(#_m)\">\n");
         }
         if (mesh_.channels == 1) layer(SvgLayer::gray);
-        else if (options_.kind == SvgKind::exact) screened_layers();
-        else if (options_.kind == SvgKind::gradient) gradients();
+        else if (options_.kind == SvgOptions::Kind::exact) screened_layers();
+        else if (options_.kind == SvgOptions::Kind::gradient) gradients();
         else flat_faces();
         if (is_masked) writer_.text("</g>\n");
         if (options_.wireframe) wireframe();
@@ -215,7 +215,7 @@ class SvgPage {
         for (std::size_t f = 0; f < mesh_.face_count; ++f) {
             const FaceColors colors = face_colors(f);
             const ChannelGradient gradient(face_points(f), colors, channels[index]);
-            if (gradient.is_plain || options_.kind == SvgKind::flat) {
+            if (gradient.is_plain || options_.kind == SvgOptions::Kind::flat) {
                 plain_face(f, part(full[index], gradient.mean));
                 continue;
             }
@@ -341,12 +341,12 @@ class SvgPage {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that has no size, numbers that are not finite or faces without their
-/// vertices, and a kind that is none of SvgKind give a Status that says so, and no byte is written; a sink that
+/// vertices, and a kind that is none of those give a Status that says so, and no byte is written; a sink that
 /// refuses bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     if (mesh.periodic != Periodic::none) {
-        const Mesh whole = unrolled(mesh);
+        const Mesh whole = kit::unrolled(mesh);
         return write_svg(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(mesh, detail::Premultiplied::kept);

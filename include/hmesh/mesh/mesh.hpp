@@ -43,9 +43,9 @@ struct MeshView {
     Samples samples = Samples::squares;  ///< where the image's samples stand in the plane
 
     /// The x of the right side of the rectangle that a mesh of the image covers, in px; its left side is 0.
-    [[nodiscard]] constexpr int right() const noexcept { return extent(width, samples); }
+    [[nodiscard]] constexpr int right() const noexcept { return kit::extent(width, samples); }
     /// The y of the lower side, in px; the upper one is 0.
-    [[nodiscard]] constexpr int bottom() const noexcept { return extent(height, samples); }
+    [[nodiscard]] constexpr int bottom() const noexcept { return kit::extent(height, samples); }
 };
 
 /// A triangle mesh that owns its arrays. Those that mesh_image() makes tile the rectangle of their image.

@@ -18,10 +18,10 @@ enum class Samples : std::uint8_t {
     points,
 };
 
+namespace kit {
+
 /// How far the mesh of an image reaches along an axis with `size` samples, in px: it begins at 0.
 [[nodiscard]] constexpr int extent(int size, Samples samples) noexcept { return samples == Samples::points ? size - 1 : size; }
-
-namespace kit {
 
 /// How far inside of [0, W] x [0, H] the mesh of an image lies while it is fitted, in px. There the centre of sample (i, j) is
 /// at (i + 1/2, j + 1/2) whatever it is, and a mesh of points is [1/2, W - 1/2] x [1/2, H - 1/2]: 1/2 px off where users have it,

@@ -24,8 +24,7 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-namespace hmesh {
-namespace kit {
+namespace hmesh::kit {
 
 /// The periods of the plane in which an image repeats.
 struct Torus {
@@ -206,8 +205,6 @@ namespace detail {
     return positions;
 }
 
-}  // namespace kit
-
 /// Checks that a mesh is what its `periodic` says: that copies of it, shifted by its size, cover each place of the plane (of a
 /// band, where it repeats along one axis) once, and that the vertices of its border have copies of the same colour, to the bit,
 /// on the other side. A mesh that repeats along no axis is refused. Errc::invalid_argument or not_finite. O(n log n).
@@ -215,20 +212,20 @@ namespace detail {
     if (mesh.periodic == Periodic::none) return {Errc::invalid_argument, "the mesh is not periodic"};
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
-    const kit::Array<kit::Point> positions = kit::positions_of(mesh);
+    const Array<Point> positions = positions_of(mesh);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
             return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
-    const kit::Torus torus{mesh.width, mesh.height, mesh.periodic};
-    const kit::Array<std::uint32_t> roots = kit::tied_vertices(positions, torus);
+    const Torus torus{mesh.width, mesh.height, mesh.periodic};
+    const Array<std::uint32_t> roots = tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)
         if (!std::equal(mesh.colors + channels * v, mesh.colors + channels * (v + 1), mesh.colors + channels * roots[v]))
             return {Errc::invalid_argument, "the copies of a vertex on the cut differ in colour, at vertex", v};
-    return kit::check_torus(positions, {mesh.faces, mesh.faces + mesh.face_count}, roots, torus);
+    return check_torus(positions, {mesh.faces, mesh.faces + mesh.face_count}, roots, torus);
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"
 

@@ -21,7 +21,7 @@
 
 #include "hmesh/core/macros/push.hpp"
 
-namespace hmesh {
+namespace hmesh::kit {
 
 /// A periodic mesh with copies of its faces, whole periods away, wherever these touch the image's rectangle: it covers all of
 /// [0, width] x [0, height] and stands out of it. Its own vertices and faces come first. Not periodic any more; a mesh that is
@@ -38,7 +38,7 @@ namespace hmesh {
     out.positions.assign(mesh.positions, mesh.positions + 2 * mesh.vertex_count);
     out.colors.assign(mesh.colors, mesh.colors + channels * mesh.vertex_count);
     out.faces.assign(mesh.faces, mesh.faces + mesh.face_count);
-    kit::Array<kit::VertexCopy> corners;  // of the faces' copies
+    Array<VertexCopy> corners;  // of the faces' copies
     for (std::size_t f = 0; f < mesh.face_count; ++f) {
         // The turns after which a part of the face is inside, along one axis.
         const auto range = [&](std::size_t axis, int size, bool wraps) {
@@ -49,14 +49,14 @@ namespace hmesh {
             if (!wraps || std::abs(low) > most || std::abs(high) > most) return std::array<int, 2>{0, 0};
             return std::array<int, 2>{static_cast<int>(std::floor(-high)) + 1, static_cast<int>(std::ceil(1 - low)) - 1};
         };
-        const auto x = range(0, mesh.width, kit::wraps_x(mesh.periodic)), y = range(1, mesh.height, kit::wraps_y(mesh.periodic));
+        const auto x = range(0, mesh.width, wraps_x(mesh.periodic)), y = range(1, mesh.height, wraps_y(mesh.periodic));
         for (int j = y[0]; j <= y[1]; ++j)
             for (int i = x[0]; i <= x[1]; ++i)
                 if (i != 0 || j != 0)
                     for (const std::uint32_t v : mesh.faces[f]) corners.push_back({v, {i, j}});
     }
-    const kit::NumberedCopies copies = kit::numbered(corners);
-    for (const kit::VertexCopy& copy : copies.different) {
+    const NumberedCopies copies = numbered(corners);
+    for (const VertexCopy& copy : copies.different) {
         const std::size_t v = copy.vertex;
         out.positions.push_back(mesh.positions[2 * v] + static_cast<float>(copy.turns.x) * static_cast<float>(mesh.width));
         out.positions.push_back(mesh.positions[2 * v + 1] + static_cast<float>(copy.turns.y) * static_cast<float>(mesh.height));
@@ -70,7 +70,7 @@ namespace hmesh {
     return out;
 }
 
-}  // namespace hmesh
+}  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"
 

@@ -282,7 +282,7 @@ class LinearLight {
     if (mesh.height != height) return {Errc::invalid_argument, "the mesh is not as high as the image", mesh.height, height};
     const auto at = [&](std::uint32_t v) { return position(mesh, v); };
     if (mesh.periodic != Periodic::none)
-        if (const Status status = check_periodic(mesh.view()); !status) return status;
+        if (const Status status = kit::check_periodic(mesh.view()); !status) return status;
     for (std::uint32_t v = 0; v < mesh.vertex_count() && mesh.periodic == Periodic::none; ++v)
         if (!is_inside(mesh, v)) return {Errc::invalid_argument, "the mesh has a position outside its image, at vertex", v, 0};
     for (std::size_t f = 0; f < mesh.faces.size(); ++f)

@@ -49,7 +49,7 @@ const void* hmesh_write(int format, int kind, int wireframe, const char* title, 
         case Format::glb: return module.reply(hmesh::write_glb(mesh, sink));
         case Format::svg: {
             hmesh::SvgOptions options;
-            options.kind = static_cast<hmesh::SvgKind>(kind);
+            options.kind = static_cast<hmesh::SvgOptions::Kind>(kind);
             options.wireframe = wireframe != 0;
             return module.reply(hmesh::write_svg(mesh, sink, options));
         }
@@ -87,7 +87,7 @@ HMESH_EXPORT(hmesh_read) const void* hmesh_read(const void* bytes, std::size_t s
     if (read.status && read.mesh.samples == hmesh::Samples::points)
         read.status = {hmesh::Errc::invalid_argument, "the compact mesh is of samples that are points, as heights are"};
     if (!read.status) read.mesh = {};
-    if (read.mesh.periodic != hmesh::Periodic::none) read.mesh = hmesh::unrolled(read.mesh.view());
+    if (read.mesh.periodic != hmesh::Periodic::none) read.mesh = hmesh::kit::unrolled(read.mesh.view());
     binding::Module& module = binding::module();
     module.hold(std::move(read.mesh));
     return module.reply(read.status);

@@ -339,7 +339,7 @@ py::array render(const py::dict& from, std::optional<int> width, std::optional<i
     hmesh::RenderOptions options;
     options.width = width;
     options.height = height;
-    if (linear) options.interpolation = hmesh::Interpolation::linear;
+    if (linear) options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     if (const hmesh::Status status = hmesh::check(mesh.view, 16); !status) raise(status);
     return draw_any(std::make_integer_sequence<int, 16>(), mesh.view, options, threads);
 }
@@ -379,7 +379,7 @@ py::bytes write(const py::dict& from, const std::string& format, const py::dict&
         status = run([&] { return hmesh::write_glb(view, sink, options); });
     } else if (format == "svg") {
         hmesh::SvgOptions options;
-        options.kind = static_cast<hmesh::SvgKind>(get<int>(with, "kind"));
+        options.kind = static_cast<hmesh::SvgOptions::Kind>(get<int>(with, "kind"));
         options.wireframe = get<bool>(with, "wireframe");
         status = run([&] { return hmesh::write_svg(view, sink, options); });
     } else if (format == "html") {

@@ -62,7 +62,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     add_name(app, "--svg",
              "how .svg shows a face: gradient (default), one gradient; exact, one a channel, larger\n"
              "and slower; flat, its mean colour",
-             svg_kinds, [&](hmesh::SvgKind kind) { out.svg = kind; });
+             svg_kinds, [&](hmesh::SvgOptions::Kind kind) { out.svg = kind; });
     add_name(app, "--glb",
              "how .glb holds the mesh: exact (default), for every reader; packed, 16-bit positions in\n"
              "an order for GPUs (KHR_mesh_quantization); meshopt, that compressed\n"

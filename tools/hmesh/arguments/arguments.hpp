@@ -31,8 +31,9 @@ inline constexpr Named<hmesh::Effort> efforts[] = {{"draft", hmesh::Effort::draf
                                                    {"normal", hmesh::Effort::normal},
                                                    {"fine", hmesh::Effort::fine},
                                                    {"best", hmesh::Effort::best}};
-inline constexpr Named<hmesh::SvgKind> svg_kinds[] = {
-    {"gradient", hmesh::SvgKind::gradient}, {"exact", hmesh::SvgKind::exact}, {"flat", hmesh::SvgKind::flat}};
+inline constexpr Named<hmesh::SvgOptions::Kind> svg_kinds[] = {{"gradient", hmesh::SvgOptions::Kind::gradient},
+                                                               {"exact", hmesh::SvgOptions::Kind::exact},
+                                                               {"flat", hmesh::SvgOptions::Kind::flat}};
 
 inline constexpr Named<GlbForm> glb_forms[] = {
     {"exact", GlbForm::exact}, {"packed", GlbForm::packed}, {"meshopt", GlbForm::meshopt}};
@@ -60,7 +61,7 @@ struct Arguments {
     bool balances_maps = false;           // in their place such that a dB of each map counts the same
     std::string render, wireframe, residual, strip, report, depfile;
     int render_scale = 1;
-    hmesh::SvgKind svg = hmesh::SvgKind::gradient;
+    hmesh::SvgOptions::Kind svg = hmesh::SvgOptions::Kind::gradient;
     GlbForm glb = GlbForm::exact;
     int glb_color_bits = 16;
     int grid = 0;          // positions are multiples of 1 px over this; 0: as the outputs ask for

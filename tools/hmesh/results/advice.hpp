@@ -31,13 +31,13 @@ inline constexpr SlowViewer slow_pdf = {"poppler (Okular, pdftoppm) takes", 5000
 }
 
 // What to say of a file that holds so many vertices; empty: nothing.
-[[nodiscard]] inline std::string advice(const MeshFile& file, std::size_t vertices, hmesh::SvgKind svg) {
+[[nodiscard]] inline std::string advice(const MeshFile& file, std::size_t vertices, hmesh::SvgOptions::Kind svg) {
     const SlowViewer* viewer = nullptr;
     if (file.ending == ".pdf") viewer = &slow_pdf;
     if (file.ending == ".svg")
-        viewer = svg == hmesh::SvgKind::exact  ? &slow_exact_svg
-                 : svg == hmesh::SvgKind::flat ? &slow_flat_svg
-                                               : &slow_gradient_svg;
+        viewer = svg == hmesh::SvgOptions::Kind::exact  ? &slow_exact_svg
+                 : svg == hmesh::SvgOptions::Kind::flat ? &slow_flat_svg
+                                                        : &slow_gradient_svg;
     if (viewer == nullptr || vertices < viewer->from) return {};
     const double seconds = viewer->seconds + viewer->seconds_of_1000 * static_cast<double>(vertices) / 1000;
     return output_name(file.name) + " has " + in_groups(vertices) + " vertices: " + viewer->who + " about " +

@@ -17,15 +17,16 @@ std::string find_maps(const Arguments& arguments, const std::vector<ImageFile>& 
         Map map;
         map.file = i == 0 ? arguments.input : arguments.others[i - 1].file;
         map.name = i == 0 ? arguments.name : arguments.others[i - 1].name;
-        if (i > 0) map.meaning = is_normal_map(map.name) ? hmesh::ChannelMeaning::normal : hmesh::ChannelMeaning::data;
+        if (i > 0)
+            map.meaning = is_normal_map(map.name) ? hmesh::ChannelGroup::Meaning::normal : hmesh::ChannelGroup::Meaning::data;
         map.first = first;
         map.channels = images[i].channels;
         first += map.channels;
-        if (map.meaning == hmesh::ChannelMeaning::normal && map.channels != 3)
+        if (map.meaning == hmesh::ChannelGroup::Meaning::normal && map.channels != 3)
             return input_words(map.file) + " is called '" + map.name + "' and has " + std::to_string(map.channels) +
                    " channels, not the 3 of a normal: --with NAME=FILE names it otherwise";
         const bool is_second =
-            map.meaning == hmesh::ChannelMeaning::normal &&
+            map.meaning == hmesh::ChannelGroup::Meaning::normal &&
             std::any_of(maps.begin(), maps.end(), [&](const Map& other) { return other.meaning == map.meaning; });
         if (is_second) return input_words(map.file) + " is a second map of normals: --with NAME=FILE names it otherwise";
         maps.push_back(map);

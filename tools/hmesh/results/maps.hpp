@@ -19,7 +19,7 @@ namespace tool {
 // A map: some channels of the mesh.
 struct Map {
     std::string file, name;
-    hmesh::ChannelMeaning meaning = hmesh::ChannelMeaning::color;
+    hmesh::ChannelGroup::Meaning meaning = hmesh::ChannelGroup::Meaning::color;
     int first = 0, channels = 0;
     double psnr = 0;    // dB, once it is measured
     double weight = 1;  // of each of its channels, where they are balanced

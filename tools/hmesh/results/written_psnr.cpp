@@ -44,7 +44,7 @@ double kept(Keeps keeps, double share, bool is_alpha) {
 }
 
 bool holds_the_mesh(const std::string& ending, const Arguments& arguments, int channels) {
-    if (ending == ".svg") return arguments.svg == hmesh::SvgKind::exact;
+    if (ending == ".svg") return arguments.svg == hmesh::SvgOptions::Kind::exact;
     return !hmesh::kit::has_alpha(channels) || (ending != ".obj" && ending != ".eps");
 }
 

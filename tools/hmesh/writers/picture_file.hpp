@@ -21,7 +21,7 @@ struct Picture {
 // The same of 1 or 3 channels, lossy: `quality` from 1 to 100.
 [[nodiscard]] bool write_jpeg(const Picture& picture, int quality, hmesh::Sink sink);
 
-// hmesh::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
+// hmesh::PageOptions::Deflate by stb_image_write: no zlib is needed. About 10 MB/s.
 [[nodiscard]] bool deflate(const unsigned char* bytes, std::size_t size, std::vector<unsigned char>& out);
 
 }  // namespace tool

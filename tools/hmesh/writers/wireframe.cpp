@@ -55,13 +55,13 @@ hmesh::Status draw_wireframe(const hmesh::MeshView& mesh, hmesh::Image<std::uint
     if (mesh.right() < 1 || mesh.bottom() < 1)
         return {hmesh::Errc::invalid_argument, "the mesh's size must be at least 1", std::min(mesh.width, mesh.height), 1};
     if (mesh.periodic != hmesh::Periodic::none) {
-        const hmesh::Mesh whole = hmesh::unrolled(mesh);
+        const hmesh::Mesh whole = hmesh::kit::unrolled(mesh);
         return draw_wireframe(whole.view(), picture, options);
     }
     Coverage coverage{picture.width(), picture.height(), std::vector<std::uint8_t>(picture.size() / 3)};
     // As render() places them.
-    const double scale_x = static_cast<double>(hmesh::extent(picture.width(), mesh.samples)) / mesh.right();
-    const double scale_y = static_cast<double>(hmesh::extent(picture.height(), mesh.samples)) / mesh.bottom();
+    const double scale_x = static_cast<double>(hmesh::kit::extent(picture.width(), mesh.samples)) / mesh.right();
+    const double scale_y = static_cast<double>(hmesh::kit::extent(picture.height(), mesh.samples)) / mesh.bottom();
     const double shift = hmesh::kit::inset(mesh.samples);
     const auto place = [&](std::uint32_t v) {
         const float* at = mesh.positions + 2 * std::size_t{v};

@@ -59,8 +59,8 @@ struct CompactHead {
     /// Makes the image's rectangle the frame.
     void frame_image() noexcept {
         left = top = 0;
-        frame_width = static_cast<std::uint32_t>(extent(width, samples)) * 256U;
-        frame_height = static_cast<std::uint32_t>(extent(height, samples)) * 256U;
+        frame_width = static_cast<std::uint32_t>(kit::extent(width, samples)) * 256U;
+        frame_height = static_cast<std::uint32_t>(kit::extent(height, samples)) * 256U;
     }
     /// Whether it is.
     [[nodiscard]] bool is_image_framed() const noexcept {

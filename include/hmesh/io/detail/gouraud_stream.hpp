@@ -142,7 +142,7 @@ inline void write_shading_entries(Writer& writer, const ShadingLayout& layout, c
 }
 
 /// Replaces the bytes by their zlib stream, where there is a compressor. Errc::write_failed where it fails.
-[[nodiscard]] inline Status compress(Deflate deflate, std::vector<unsigned char>& bytes) {
+[[nodiscard]] inline Status compress(PageOptions::Deflate deflate, std::vector<unsigned char>& bytes) {
     if (!deflate) return {};
     std::vector<unsigned char> out;
     if (!deflate(bytes.data(), bytes.size(), out) || out.empty())
