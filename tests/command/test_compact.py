@@ -76,17 +76,18 @@ def test_another_decoder_reads_what_the_command_writes(hmesh, options):
     assert places == sorted((v[0] / 256, height - v[1] / 256) for v in vertices)
 
 
-@pytest.mark.parametrize("image, options", [("picture.png", ""), ("picture.png", "--no-table"), ("grey.pgm", "--effort draft"),
-                                            ("rgba.tga", "--premultiplied")])
-def test_a_file_of_so_many_bytes(hmesh, image, options):
-    said = hmesh.done(f"{image} {options} --bytes 250 -o x.hmc -o x.ply --render x.png")
-    assert 245 <= len(read("x.hmc")) <= 250 and "vertices  " in said
+# The decoder's Delaunay triangulation takes the fourth power of the vertices, of which grey files have many a byte.
+@pytest.mark.parametrize("image, options, most", [("picture.png", "", 200), ("picture.png", "--no-table", 200),
+                                                  ("grey.pgm", "--effort draft", 100), ("rgba.tga", "--premultiplied", 250)])
+def test_a_file_of_so_many_bytes(hmesh, image, options, most):
+    said = hmesh.done(f"{image} {options} --bytes {most} -o x.hmc -o x.ply --render x.png")
+    assert 0.98 * most <= len(read("x.hmc")) <= most and "vertices  " in said
     assert read("x.hmc")[5] == (0 if "--no-table" in options else 1)
     hmesh.done("x.hmc -o y.ply --render y.png")
     assert read("x.ply") == read("y.ply") and read("x.png") == read("y.png")
     size, vertices, faces = hmc.read_compact(read("x.hmc"))
     assert f"element vertex {len(vertices)}" in ply_header("x.ply") and f"vertices  {len(vertices)}\n" in said
-    hmesh.done(f"{image} {options} --bytes 250 --threads 3 -o again.hmc")
+    hmesh.done(f"{image} {options} --bytes {most} --threads 3 -o again.hmc")
     assert read("x.hmc") == read("again.hmc")
 
 

@@ -1,8 +1,9 @@
 #include <cstdint>
 
-#include "hmesh/lods/mesh_lods.hpp"
-#include "hmesh/mesh_image.hpp"
+#include "instantiate.hpp"
 
+HMESH_TEST_INSTANTIATE(3)
+HMESH_TEST_INSTANTIATE(4)
 HMESH_INSTANTIATE(std::uint8_t, 5)
 HMESH_INSTANTIATE(float, 16)
 HMESH_INSTANTIATE_LODS(float, 16)

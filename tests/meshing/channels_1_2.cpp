@@ -1,3 +1,4 @@
 #include "instantiate.hpp"
 
 HMESH_TEST_INSTANTIATE(1)
+HMESH_TEST_INSTANTIATE(2)

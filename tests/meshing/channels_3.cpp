@@ -1,3 +1,0 @@
-#include "instantiate.hpp"
-
-HMESH_TEST_INSTANTIATE(3)
