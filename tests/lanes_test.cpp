@@ -145,3 +145,36 @@ TEST_CASE_TEMPLATE("Lanes: abs, max and sqrt are those of single numbers, to the
     for (const double value : {0.0, 5e-324, 1e-310, 1e308})
         CHECK(equal(sqrt(Lanes<n>::all(value)), [&](int) { return std::sqrt(value); }));
 }
+
+TEST_CASE("IntLanes: every operation does to each lane what it does to an integer of 32 bits") {
+    using hmesh::kit::IntLanes;
+    hmesh::kit::Random random(32);
+    const auto any = [&] { return static_cast<std::int32_t>(static_cast<std::uint32_t>(random.next())); };
+    const auto wrapped = [](std::int64_t x) { return static_cast<std::int32_t>(static_cast<std::uint32_t>(x)); };
+    for (int round = 0; round < 1000; ++round) {
+        const std::int32_t x[5] = {0, any(), any(), any(), any()}, y[4] = {any(), any(), any(), any()};
+        std::int32_t small[4]{}, other[4]{};
+        for (int i = 0; i < 4; ++i) {
+            small[i] = static_cast<std::int32_t>(random.below(32768));
+            other[i] = small[i] == 0 ? any() : static_cast<std::int32_t>(random.below(32768));
+        }
+        const IntLanes a = IntLanes::load(x + 1), b = IntLanes::load(y), sum = a + b, bytes = IntLanes::bytes(x[1]);
+        const IntLanes product = small_product(IntLanes::load(small), IntLanes::load(other));
+        const Lanes<4> doubles = a.doubles();
+        for (int i = 0; i < 4; ++i) {
+            CHECK(a[i] == x[i + 1]);
+            CHECK(sum[i] == wrapped(std::int64_t{x[i + 1]} + y[i]));
+            CHECK(bytes[i] == static_cast<std::int32_t>(static_cast<std::uint32_t>(x[1]) >> (8 * i) & 255U));
+            CHECK(product[i] == small[i] * std::int64_t{other[i]});
+            CHECK(doubles[i] == x[i + 1]);
+            CHECK(IntLanes::all(y[0])[i] == y[0]);
+            CHECK(IntLanes::zero()[i] == 0);
+        }
+    }
+    const std::int32_t most[4] = {32767, 0, 1, 32767}, of[4] = {32767, -1, 32767, 0};
+    const IntLanes product = small_product(IntLanes::load(most), IntLanes::load(of));
+    CHECK(product[0] == 32767 * 32767);
+    CHECK(product[1] == 0);
+    CHECK(product[2] == 32767);
+    CHECK(product[3] == 0);
+}

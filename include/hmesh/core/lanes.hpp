@@ -1,5 +1,5 @@
 /// \file
-/// Lanes: N doubles that are added and multiplied together.
+/// Lanes: N doubles that are added and multiplied together. And IntLanes, four integers.
 ///
 /// The channels of a pixel, padded to a size the processor likes, so that the arithmetic of all channels costs that of one.
 /// With GCC and Clang the lanes are vector-extension types of 2 or 4 doubles, which become SSE, AVX or NEON registers; with
@@ -10,6 +10,7 @@
 #ifndef HMESH_CORE_LANES_HPP
 #define HMESH_CORE_LANES_HPP
 
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,10 @@
 // GCC 12 converts vectors of two numbers one by one, with a dozen instructions where the processor has one.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__SSE2__)
 #define HMESH_CONVERTS_PAIRS 1
+#endif
+// Registers of four integers, and of two doubles. Where there are some of four doubles, integers gain nothing.
+#if defined(__GNUC__) && ((defined(__SSE2__) && !defined(__AVX__)) || defined(__wasm_simd128__))
+#define HMESH_HAS_INT_REGISTERS 1
 #endif
 
 namespace hmesh::kit {
@@ -356,10 +361,106 @@ template <int N>
     return (a * b).sum();
 }
 
+/// Four 32-bit integers; arithmetic is lane by lane and wraps around.
+struct IntLanes {
+#if defined(HMESH_HAS_INT_REGISTERS)
+    using Block = std::uint32_t __attribute__((vector_size(16)));  ///< the type of the register
+    static constexpr bool is_register = true;                      ///< whether four integers cost what two doubles do
+#else
+    using Block = std::array<std::uint32_t, 4>;
+    static constexpr bool is_register = false;
+#endif
+    Block block;  ///< all lanes, as they are without a sign
+
+    /// 0 in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes zero() { return IntLanes{Block{}}; }
+    /// The value in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes all(std::int32_t value) {
+        const auto bits = static_cast<std::uint32_t>(value);
+        return IntLanes{Block{bits, bits, bits, bits}};
+    }
+    /// Four integers from memory, which need not be aligned.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes load(const std::int32_t* from) {
+        IntLanes r;
+        std::memcpy(&r.block, from, sizeof r.block);
+        return r;
+    }
+    /// The bytes of an integer, each in a lane, the lowest in the first.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes bytes(std::int32_t from) {
+        const auto bits = static_cast<std::uint32_t>(from);
+#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
+        using Bytes = std::uint8_t __attribute__((vector_size(4)));
+        Bytes parts;
+        std::memcpy(&parts, &bits, sizeof parts);
+        return IntLanes{__builtin_convertvector(parts, Block)};
+#elif defined(HMESH_HAS_INT_REGISTERS)
+        using Chars = char __attribute__((vector_size(16)));
+        using Shorts = short __attribute__((vector_size(16)));
+        const auto words = reinterpret_cast<Shorts>(__builtin_ia32_punpcklbw128(reinterpret_cast<Chars>(Block{bits}), Chars{}));
+        return IntLanes{reinterpret_cast<Block>(__builtin_ia32_punpcklwd128(words, Shorts{}))};
+#else
+        return IntLanes{Block{bits & 255U, bits >> 8U & 255U, bits >> 16U & 255U, bits >> 24U}};
+#endif
+    }
+
+    /// Adds lane by lane.
+    HMESH_ALWAYS_INLINE IntLanes& operator+=(const IntLanes& o) {
+#if defined(HMESH_HAS_INT_REGISTERS)
+        block += o.block;
+#else
+        for (std::size_t i = 0; i < 4; ++i) block[i] += o.block[i];
+#endif
+        return *this;
+    }
+    /// The sum, lane by lane.
+    friend HMESH_ALWAYS_INLINE IntLanes operator+(const IntLanes& a, const IntLanes& b) {
+        IntLanes r = a;
+        return r += b;
+    }
+    /// The product, lane by lane, of numbers from 0 to 2^15 - 1; where one is 0, the other may be any.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes small_product(const IntLanes& a, const IntLanes& b) {
+#if defined(HMESH_HAS_INT_REGISTERS)
+        using Shorts = short __attribute__((vector_size(16)));
+        const auto x = reinterpret_cast<Shorts>(a.block), y = reinterpret_cast<Shorts>(b.block);
+#if defined(__wasm__)
+        return IntLanes{reinterpret_cast<Block>(__builtin_wasm_dot_s_i32x4_i16x8(x, y))};
+#else
+        return IntLanes{reinterpret_cast<Block>(__builtin_ia32_pmaddwd128(x, y))};
+#endif
+#else
+        IntLanes r;
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
+        return r;
+#endif
+    }
+
+    /// Lane i, 0 <= i < 4.
+    [[nodiscard]] HMESH_ALWAYS_INLINE std::int32_t operator[](int i) const {
+        return static_cast<std::int32_t>(block[static_cast<std::size_t>(i)]);
+    }
+    /// The lanes as doubles.
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<4> doubles() const {
+        Lanes<4> r;
+#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
+        using Ints = std::int32_t __attribute__((vector_size(16)));
+        const auto ints = reinterpret_cast<Ints>(block);
+        r.block[0] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 0, 1), Lanes<4>::Block);
+        r.block[1] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 2, 3), Lanes<4>::Block);
+#elif defined(HMESH_HAS_INT_REGISTERS)
+        const auto ints = reinterpret_cast<detail::FourInts>(block);
+        r.block[0] = detail::converted_pair(ints, false), r.block[1] = detail::converted_pair(ints, true);
+#else
+        for (int i = 0; i < 4; ++i) r.set(i, (*this)[i]);
+#endif
+        return r;
+    }
+};
+
 }  // namespace hmesh::kit
 
 #undef HMESH_HAS_ELEMENTWISE_SQRT
 #undef HMESH_CONVERTS_PAIRS
+#undef HMESH_HAS_INT_REGISTERS
 #include "hmesh/core/macros/pop.hpp"
 
 #endif  // HMESH_CORE_LANES_HPP

@@ -104,42 +104,94 @@ struct ColumnSums {
     }
 };
 
+/// The sums over the pixels left of an edge that samples take part in, gathered row by row, downwards, from a table whose entries
+/// are doubles.
+template <int C>
+struct EntrySums {
+    using Channels = typename Moments<C>::Channels;
+    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments; lane C of sx has the squares
+
+    /// Adds row j = y, whose first i pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double y) {
+        const double* const entry = table.entries() + table.offset(i, j);
+        const Channels low = Channels::load(entry);
+        s += low, sx += Channels::load(entry + MomentTable<C>::lanes), sy += low * y;
+    }
+    /// Ends the sums before the row `end`. The sum of the squares.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int /*end*/) const { return sx[C]; }
+};
+
+/// The same from a table of pairs of integers, hence exact. As in ColumnSums nothing is multiplied by rows.
+template <int C, bool in_integers = C == 3 && IntLanes::is_register>
+struct PairSums {
+    using Channels = typename Moments<C>::Channels;
+    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    Channels last_squares = s;                      ///< of the pixels that pairs do not hold
+
+    /// Adds row j, whose first i pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double /*y*/) {
+        const std::int32_t* const pair = table.pair(i, j);
+        const Channels pixel = table.beyond(pair, i);  // the last one
+        s += Channels::load(pair) + pixel;
+        sx += Channels::load(pair + MomentTable<C>::lanes) + pixel * (i - 1.0);
+        last_squares += pixel * pixel;
+        sy += s;
+    }
+    /// Ends the sums before the row `end`. The sum of the squares.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int end) {
+        sy = s * static_cast<double>(end) - sy;
+        return sx[C] + last_squares.sum();
+    }
+};
+
+/// The same of pairs whose samples are bytes, in integers as far as 32 bits hold them: a whole mesh takes 0.9 of the time.
+template <>
+struct PairSums<3, true> {
+    using Channels = typename Moments<3>::Channels;
+    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    IntLanes last_squares = IntLanes::zero();       ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+
+    /// Adds row j, whose first i pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {
+        const std::int32_t* const pair = table.pair(i, j);
+        const IntLanes pixel = IntLanes::bytes(table.bytes_beyond(pair, i));  // the last one
+        s += (IntLanes::load(pair) + pixel).doubles();
+        sx += (IntLanes::load(pair + MomentTable<3>::lanes) + small_product(pixel, IntLanes::all(i - 1))).doubles();
+        last_squares += small_product(pixel, pixel);
+        sy += s;
+    }
+    /// Ends the sums before the row `end`. The sum of the squares.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int end) {
+        sy = s * static_cast<double>(end) - sy;
+        double squares = sx[3];
+        for (int c = 0; c < 3; ++c) squares += static_cast<std::uint32_t>(last_squares[c]);
+        return squares;
+    }
+};
+
 /// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
-/// table without weights whose entries are pairs of integers, or doubles.
-template <int C, bool has_pairs>
+/// table without weights, of which SampleSums (one of those above) reads the entries.
+template <class SampleSums, int C>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s, last_squares = s;
+    SampleSums samples;
     ColumnSums columns;
     if (first < last) {
         const EdgeWalker crossing(a, b);
         double y = first;
         for (int j = first; j < last; ++j, y += 1) {
             const int i = crossing.column(y);
-            Channels low;
-            if constexpr (has_pairs) {
-                const std::int32_t* const pair = table.pair(i, j);
-                const Channels pixel = table.beyond(pair, i);  // the last one
-                low = Channels::load(pair) + pixel;
-                sx += Channels::load(pair + MomentTable<C>::lanes) + pixel * (i - 1.0);
-                last_squares += pixel * pixel;
-            } else {
-                const double* const entry = table.entries() + table.offset(i, j);
-                low = Channels::load(entry);
-                sx += Channels::load(entry + MomentTable<C>::lanes);
-            }
-            s += low;
-            sy += low * y;
+            samples.add(table, i, j, y);
             columns.add(i);
         }
     }
-    const double squares = sx[C] + last_squares.sum();
-    s.set(C, columns.count());
-    sx.set(C, columns.sum_x());
-    sy.set(C, columns.sum_y(last));
+    const double squares = samples.finish(last);
+    samples.s.set(C, columns.count());
+    samples.sx.set(C, columns.sum_x());
+    samples.sy.set(C, columns.sum_y(last));
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
-    m.s = s * signs, m.sx = sx * signs, m.sy = sy * signs;
+    m.s = samples.s * signs, m.sx = samples.sx * signs, m.sy = samples.sy * signs;
     m.q.set(0, sign * columns.sum_xx());
     m.q.set(1, sign * columns.sum_xy(last));
     m.q.set(2, sign * columns.sum_yy(last));
@@ -192,8 +244,8 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, dou
         a.x += beyond, b.x += beyond;
         first = sides.first_row(a.y), last = sides.first_row(b.y);
     }
-    if (table.is_int32()) walk<C, true>(table, a, b, first, last, sign, m);
-    else if (!table.is_weighted()) walk<C, false>(table, a, b, first, last, sign, m);
+    if (table.is_int32()) walk<PairSums<C>>(table, a, b, first, last, sign, m);
+    else if (!table.is_weighted()) walk<EntrySums<C>>(table, a, b, first, last, sign, m);
     else weighted_walk(table, a, b, first, last, sign, m);
 }
 

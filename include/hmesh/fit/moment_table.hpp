@@ -209,6 +209,11 @@ class MomentTable {
         if constexpr (has_bytes) return Channels::bytes(pair[C]) * part;
         else return Channels::load(pair + pixel_at) * part;
     }
+    /// The same of three channels, one a byte, the first in the lowest.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {
+        static_assert(has_bytes, "pairs of three channels have bytes");
+        return pair[C] & -(x & 1);
+    }
     /// The entries as doubles; only if not is_int32().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* entries() const noexcept { return float64_entries_.data(); }
     /// The offset of entry (x, y), 0 <= x <= width, 0 <= y < height, in numbers from entries().
@@ -244,11 +249,12 @@ class MomentTable {
     static constexpr int chunk = 64;                    ///< most pixels read at once, an even number
     static constexpr int pairs_chunk = 320;             ///< the same where these become pairs: a row of a tile of 256 px
 
-    /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them.
+    /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them; with bytes, whether
+    /// columns fit 15 bits too.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
         const double largest = 2147483647.0, sample = kind.largest;
         return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
-               (!has_bytes || (sample <= 255 && !kind.is_signed));
+               (!has_bytes || (sample <= 255 && !kind.is_signed && width <= 32768));
     }
 
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t pair_offset(int x, int y) const noexcept {

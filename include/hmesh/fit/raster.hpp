@@ -26,7 +26,7 @@ namespace hmesh::kit {
 [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
     // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
     const double shifted = y + 0.5;
-    const int row = static_cast<int>(shifted);
+    const int row = truncated(shifted);
     return row - (static_cast<double>(row) == shifted ? 1 : 0);
 }
 
@@ -45,7 +45,7 @@ class EdgeWalker {
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
     /// The same with j as a double.
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
-        return static_cast<int>(start_x_ + (j - start_y_) * slope_);
+        return truncated(start_x_ + (j - start_y_) * slope_);
     }
 
   private:
