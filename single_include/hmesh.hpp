@@ -1021,6 +1021,19 @@ struct Lanes {
         each([&](std::size_t k) { r.block[k] = Block{} + value; });
         return r;
     }
+    /// M <= N lanes, and 0 in those above them.
+    template <int M>
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes extended(const Lanes<M>& o) {
+        Lanes r{};
+        if constexpr (Lanes<M>::width == width) {  // register by register, so that nothing goes through memory
+            each([&](std::size_t k) { r.block[k] = k < std::size_t{Lanes<M>::blocks} ? o.block[k] : Block{}; });
+        } else if constexpr (width == 4 && M == 2) {
+            r.block[0] = Block{o[0], o[1], 0, 0};
+        } else {
+            for (int i = 0; i < M; ++i) r.set(i, o[i]);
+        }
+        return r;
+    }
     /// N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;  // register by register: GCC 12 copies two of them at once to the stack first
@@ -7606,6 +7619,9 @@ class MomentTable {
     static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
     static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
     using Channels = Lanes<lanes>;                  ///< one half of an entry
+    using Samples = Lanes<lanes_for(C)>;            ///< the samples of a pixel, padded
+    /// Whether Samples hold lane C of a half too.
+    static constexpr bool has_spare_lane = lanes_for(C) > C;
 
     /// The sums of an entry.
     struct Entry {
@@ -7727,8 +7743,8 @@ class MomentTable {
             return;
         }
         if (!int32_) out = Channels::load(entries() + offset(x + 1, y)) - Channels::load(entries() + offset(x, y));
-        else if (x % 2 == 0) out = beyond(pair(x, y), 1);
-        else out = Channels::load(pair(x + 1, y)) - Channels::load(pair(x, y)) - beyond(pair(x, y), 1);
+        else if (x % 2 == 0) out = Channels::extended(beyond(pair(x, y), 1));
+        else out = Channels::load(pair(x + 1, y)) - Channels::load(pair(x, y)) - Channels::extended(beyond(pair(x, y), 1));
         for (int c = C; c < lanes; ++c) out.set(c, 0);
     }
 
@@ -7744,7 +7760,7 @@ class MomentTable {
             return {Channels::load(sums), Channels::load(sums + lanes)};
         }
         const std::int32_t* const sums = pair(x, y);
-        const Channels last = beyond(sums, x);
+        const Channels last = Channels::extended(beyond(sums, x));
         Entry out{Channels::load(sums) + last, Channels::load(sums + lanes) + last * (x - 1.0)};
         for (int c = C + 1; c < lanes; ++c) {
             out.of_samples.set(c, 0);
@@ -7760,10 +7776,10 @@ class MomentTable {
         return int32_entries_.data() + pair_offset(x, y);
     }
     /// The samples of the pixel by which entry (x, y) is beyond its pair(): 0 where x is even, and in the lanes above them.
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Channels beyond(const std::int32_t* pair, int x) noexcept {
-        const Channels part = Channels::load(parts.of[static_cast<unsigned>(x) % 2]);
-        if constexpr (has_bytes) return Channels::bytes(pair[C]) * part;
-        else return Channels::load(pair + pixel_at) * part;
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Samples beyond(const std::int32_t* pair, int x) noexcept {
+        const Samples part = Samples::load(parts.of[static_cast<unsigned>(x) % 2]);
+        if constexpr (has_bytes) return Samples::bytes(pair[C]) * part;
+        else return Samples::load(pair + pixel_at) * part;
     }
     /// The same of three channels, one a byte, the first in the lowest.
     [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {
@@ -8492,48 +8508,58 @@ struct ColumnSums {
 /// are doubles.
 template <int C>
 struct EntrySums {
-    using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments; lane C of sx has the squares
+    using Table = MomentTable<C>;
+    using Samples = typename Table::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments
+    double squares = 0;                           ///< of all samples, where these leave no lane of sx for it
 
     /// Adds row j = y, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double y) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
         const double* const entry = table.entries() + table.offset(i, j);
-        const Channels low = Channels::load(entry);
-        s += low, sx += Channels::load(entry + MomentTable<C>::lanes), sy += low * y;
+        const Samples low = Samples::load(entry);
+        s += low, sx += Samples::load(entry + Table::lanes), sy += low * y;
+        if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
-    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int /*end*/) const { return sx[C]; }
+    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int /*end*/) const {
+        if constexpr (Table::has_spare_lane) return sx[C];
+        else return squares;
+    }
 };
 
 /// The same from a table of pairs of integers, hence exact. As in ColumnSums nothing is multiplied by rows.
 template <int C, bool in_integers = C == 3 && IntLanes::is_register>
 struct PairSums {
-    using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    Channels last_squares = s;                      ///< of the pixels that pairs do not hold
+    using Table = MomentTable<C>;
+    using Samples = typename Table::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    Samples last_squares = s;                     ///< of the pixels that pairs do not hold
+    std::int64_t squares = 0;                     ///< of all other samples, where these leave no lane of sx for it
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
-        const Channels pixel = table.beyond(pair, i);  // the last one
-        s += Channels::load(pair) + pixel;
-        sx += Channels::load(pair + MomentTable<C>::lanes) + pixel * (i - 1.0);
+        const Samples pixel = table.beyond(pair, i);  // the last one
+        s += Samples::load(pair) + pixel;
+        sx += Samples::load(pair + Table::lanes) + pixel * (i - 1.0);
         last_squares += pixel * pixel;
         sy += s;
+        if constexpr (!Table::has_spare_lane) squares += pair[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
     [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int end) {
         sy = s * static_cast<double>(end) - sy;
-        return sx[C] + last_squares.sum();
+        if constexpr (Table::has_spare_lane) return sx[C] + last_squares.sum();
+        else return static_cast<double>(squares) + last_squares.sum();
     }
 };
 
 /// The same of pairs whose samples are bytes, in integers as far as 32 bits hold them: a whole mesh takes 0.9 of the time.
 template <>
 struct PairSums<3, true> {
-    using Channels = typename Moments<3>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    IntLanes last_squares = IntLanes::zero();       ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+    using Samples = MomentTable<3>::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    IntLanes last_squares = IntLanes::zero();     ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {
@@ -8570,12 +8596,13 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
         }
     }
     const double squares = samples.finish(last);
-    samples.s.set(C, columns.count());
-    samples.sx.set(C, columns.sum_x());
-    samples.sy.set(C, columns.sum_y(last));
+    Channels s = Channels::extended(samples.s), sx = Channels::extended(samples.sx), sy = Channels::extended(samples.sy);
+    s.set(C, columns.count());
+    sx.set(C, columns.sum_x());
+    sy.set(C, columns.sum_y(last));
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
-    m.s = samples.s * signs, m.sx = samples.sx * signs, m.sy = samples.sy * signs;
+    m.s = s * signs, m.sx = sx * signs, m.sy = sy * signs;
     m.q.set(0, sign * columns.sum_xx());
     m.q.set(1, sign * columns.sum_xy(last));
     m.q.set(2, sign * columns.sum_yy(last));

@@ -118,6 +118,17 @@ TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, 3
     }
 }
 
+TEST_CASE_TEMPLATE("Lanes: extended keeps all lanes and has 0 above them", S, Size<1>, Size<2>, Size<4>, Size<8>, Size<12>,
+                   Size<16>) {
+    constexpr int n = S::lanes, next = hmesh::kit::lanes_for(n + 1);
+    hmesh::kit::Random random(n);
+    const Values<n> x = random_values<n>(random);
+    const Lanes<n> a = Lanes<n>::load(x.value);
+    CHECK(equal(Lanes<n>::extended(a), [&](int i) { return x.value[i]; }));
+    CHECK(equal(Lanes<next>::extended(a), [&](int i) { return i < n ? x.value[i] : 0.0; }));
+    CHECK(equal(Lanes<20>::extended(a), [&](int i) { return i < n ? x.value[i] : 0.0; }));
+}
+
 TEST_CASE_TEMPLATE("Lanes: clamp brings each lane into the range and leaves those inside alone", S, Size<1>, Size<2>, Size<4>,
                    Size<8>, Size<12>, Size<16>, Size<20>) {
     constexpr int n = S::lanes;

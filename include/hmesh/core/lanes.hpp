@@ -108,6 +108,19 @@ struct Lanes {
         each([&](std::size_t k) { r.block[k] = Block{} + value; });
         return r;
     }
+    /// M <= N lanes, and 0 in those above them.
+    template <int M>
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes extended(const Lanes<M>& o) {
+        Lanes r{};
+        if constexpr (Lanes<M>::width == width) {  // register by register, so that nothing goes through memory
+            each([&](std::size_t k) { r.block[k] = k < std::size_t{Lanes<M>::blocks} ? o.block[k] : Block{}; });
+        } else if constexpr (width == 4 && M == 2) {
+            r.block[0] = Block{o[0], o[1], 0, 0};
+        } else {
+            for (int i = 0; i < M; ++i) r.set(i, o[i]);
+        }
+        return r;
+    }
     /// N numbers from memory, which need not be aligned.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes load(const double* from) {
         Lanes r;  // register by register: GCC 12 copies two of them at once to the stack first

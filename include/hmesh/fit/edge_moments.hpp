@@ -108,48 +108,58 @@ struct ColumnSums {
 /// are doubles.
 template <int C>
 struct EntrySums {
-    using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments; lane C of sx has the squares
+    using Table = MomentTable<C>;
+    using Samples = typename Table::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments
+    double squares = 0;                           ///< of all samples, where these leave no lane of sx for it
 
     /// Adds row j = y, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double y) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
         const double* const entry = table.entries() + table.offset(i, j);
-        const Channels low = Channels::load(entry);
-        s += low, sx += Channels::load(entry + MomentTable<C>::lanes), sy += low * y;
+        const Samples low = Samples::load(entry);
+        s += low, sx += Samples::load(entry + Table::lanes), sy += low * y;
+        if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
-    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int /*end*/) const { return sx[C]; }
+    [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int /*end*/) const {
+        if constexpr (Table::has_spare_lane) return sx[C];
+        else return squares;
+    }
 };
 
 /// The same from a table of pairs of integers, hence exact. As in ColumnSums nothing is multiplied by rows.
 template <int C, bool in_integers = C == 3 && IntLanes::is_register>
 struct PairSums {
-    using Channels = typename Moments<C>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    Channels last_squares = s;                      ///< of the pixels that pairs do not hold
+    using Table = MomentTable<C>;
+    using Samples = typename Table::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    Samples last_squares = s;                     ///< of the pixels that pairs do not hold
+    std::int64_t squares = 0;                     ///< of all other samples, where these leave no lane of sx for it
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const MomentTable<C>& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
-        const Channels pixel = table.beyond(pair, i);  // the last one
-        s += Channels::load(pair) + pixel;
-        sx += Channels::load(pair + MomentTable<C>::lanes) + pixel * (i - 1.0);
+        const Samples pixel = table.beyond(pair, i);  // the last one
+        s += Samples::load(pair) + pixel;
+        sx += Samples::load(pair + Table::lanes) + pixel * (i - 1.0);
         last_squares += pixel * pixel;
         sy += s;
+        if constexpr (!Table::has_spare_lane) squares += pair[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
     [[nodiscard]] HMESH_ALWAYS_INLINE double finish(int end) {
         sy = s * static_cast<double>(end) - sy;
-        return sx[C] + last_squares.sum();
+        if constexpr (Table::has_spare_lane) return sx[C] + last_squares.sum();
+        else return static_cast<double>(squares) + last_squares.sum();
     }
 };
 
 /// The same of pairs whose samples are bytes, in integers as far as 32 bits hold them: a whole mesh takes 0.9 of the time.
 template <>
 struct PairSums<3, true> {
-    using Channels = typename Moments<3>::Channels;
-    Channels s = Channels::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    IntLanes last_squares = IntLanes::zero();       ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+    using Samples = MomentTable<3>::Samples;
+    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
+    IntLanes last_squares = IntLanes::zero();     ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {
@@ -186,12 +196,13 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
         }
     }
     const double squares = samples.finish(last);
-    samples.s.set(C, columns.count());
-    samples.sx.set(C, columns.sum_x());
-    samples.sy.set(C, columns.sum_y(last));
+    Channels s = Channels::extended(samples.s), sx = Channels::extended(samples.sx), sy = Channels::extended(samples.sy);
+    s.set(C, columns.count());
+    sx.set(C, columns.sum_x());
+    sy.set(C, columns.sum_y(last));
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
-    m.s = samples.s * signs, m.sx = samples.sx * signs, m.sy = samples.sy * signs;
+    m.s = s * signs, m.sx = sx * signs, m.sy = sy * signs;
     m.q.set(0, sign * columns.sum_xx());
     m.q.set(1, sign * columns.sum_xy(last));
     m.q.set(2, sign * columns.sum_yy(last));

@@ -50,6 +50,9 @@ class MomentTable {
     static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
     static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
     using Channels = Lanes<lanes>;                  ///< one half of an entry
+    using Samples = Lanes<lanes_for(C)>;            ///< the samples of a pixel, padded
+    /// Whether Samples hold lane C of a half too.
+    static constexpr bool has_spare_lane = lanes_for(C) > C;
 
     /// The sums of an entry.
     struct Entry {
@@ -171,8 +174,8 @@ class MomentTable {
             return;
         }
         if (!int32_) out = Channels::load(entries() + offset(x + 1, y)) - Channels::load(entries() + offset(x, y));
-        else if (x % 2 == 0) out = beyond(pair(x, y), 1);
-        else out = Channels::load(pair(x + 1, y)) - Channels::load(pair(x, y)) - beyond(pair(x, y), 1);
+        else if (x % 2 == 0) out = Channels::extended(beyond(pair(x, y), 1));
+        else out = Channels::load(pair(x + 1, y)) - Channels::load(pair(x, y)) - Channels::extended(beyond(pair(x, y), 1));
         for (int c = C; c < lanes; ++c) out.set(c, 0);
     }
 
@@ -188,7 +191,7 @@ class MomentTable {
             return {Channels::load(sums), Channels::load(sums + lanes)};
         }
         const std::int32_t* const sums = pair(x, y);
-        const Channels last = beyond(sums, x);
+        const Channels last = Channels::extended(beyond(sums, x));
         Entry out{Channels::load(sums) + last, Channels::load(sums + lanes) + last * (x - 1.0)};
         for (int c = C + 1; c < lanes; ++c) {
             out.of_samples.set(c, 0);
@@ -204,10 +207,10 @@ class MomentTable {
         return int32_entries_.data() + pair_offset(x, y);
     }
     /// The samples of the pixel by which entry (x, y) is beyond its pair(): 0 where x is even, and in the lanes above them.
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Channels beyond(const std::int32_t* pair, int x) noexcept {
-        const Channels part = Channels::load(parts.of[static_cast<unsigned>(x) % 2]);
-        if constexpr (has_bytes) return Channels::bytes(pair[C]) * part;
-        else return Channels::load(pair + pixel_at) * part;
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Samples beyond(const std::int32_t* pair, int x) noexcept {
+        const Samples part = Samples::load(parts.of[static_cast<unsigned>(x) % 2]);
+        if constexpr (has_bytes) return Samples::bytes(pair[C]) * part;
+        else return Samples::load(pair + pixel_at) * part;
     }
     /// The same of three channels, one a byte, the first in the lowest.
     [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {
