@@ -1419,7 +1419,7 @@ struct Point {
 /// A number without its fraction, as an integer; x in [0, 2^31). Of a conversion engines of WebAssembly make a dozen instructions
 /// and a branch, since it may trap; of this half as many, and none.
 [[nodiscard]] HMESH_ALWAYS_INLINE int truncated(double x) noexcept {
-#if defined(__wasm__)
+#if defined(__wasm__) && !defined(__FAST_MATH__)
     constexpr double shift = 6755399441055744;  // 1.5 * 2^52: in a sum with it the last bits are those of the nearest integer
     const double sum = x + shift;
     std::int64_t bits;
@@ -7619,8 +7619,8 @@ class MomentTable {
     static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
     static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
     using Channels = Lanes<lanes>;                  ///< one half of an entry
-    using Samples = Lanes<lanes_for(C)>;            ///< the samples of a pixel, padded
-    /// Whether Samples hold lane C of a half too.
+    using PixelLanes = Lanes<lanes_for(C)>;         ///< the samples of a pixel, padded
+    /// Whether PixelLanes hold lane C of a half too.
     static constexpr bool has_spare_lane = lanes_for(C) > C;
 
     /// The sums of an entry.
@@ -7776,10 +7776,10 @@ class MomentTable {
         return int32_entries_.data() + pair_offset(x, y);
     }
     /// The samples of the pixel by which entry (x, y) is beyond its pair(): 0 where x is even, and in the lanes above them.
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Samples beyond(const std::int32_t* pair, int x) noexcept {
-        const Samples part = Samples::load(parts.of[static_cast<unsigned>(x) % 2]);
-        if constexpr (has_bytes) return Samples::bytes(pair[C]) * part;
-        else return Samples::load(pair + pixel_at) * part;
+    [[nodiscard]] static HMESH_ALWAYS_INLINE PixelLanes beyond(const std::int32_t* pair, int x) noexcept {
+        const PixelLanes part = PixelLanes::load(parts.of[static_cast<unsigned>(x) % 2]);
+        if constexpr (has_bytes) return PixelLanes::bytes(pair[C]) * part;
+        else return PixelLanes::load(pair + pixel_at) * part;
     }
     /// The same of three channels, one a byte, the first in the lowest.
     [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {
@@ -8509,15 +8509,15 @@ struct ColumnSums {
 template <int C>
 struct EntrySums {
     using Table = MomentTable<C>;
-    using Samples = typename Table::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments
-    double squares = 0;                           ///< of all samples, where these leave no lane of sx for it
+    using PixelLanes = typename Table::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s, sy = s;  ///< as in Moments
+    double squares = 0;                                 ///< of all samples, where these leave no lane of sx for it
 
     /// Adds row j = y, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
         const double* const entry = table.entries() + table.offset(i, j);
-        const Samples low = Samples::load(entry);
-        s += low, sx += Samples::load(entry + Table::lanes), sy += low * y;
+        const PixelLanes low = PixelLanes::load(entry);
+        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * y;
         if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
@@ -8531,17 +8531,18 @@ struct EntrySums {
 template <int C, bool in_integers = C == 3 && IntLanes::is_register>
 struct PairSums {
     using Table = MomentTable<C>;
-    using Samples = typename Table::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    Samples last_squares = s;                     ///< of the pixels that pairs do not hold
-    std::int64_t squares = 0;                     ///< of all other samples, where these leave no lane of sx for it
+    using PixelLanes = typename Table::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s,
+               sy = s;            ///< as in Moments once finish() was called; until then sy is the sum of all s
+    PixelLanes last_squares = s;  ///< of the pixels that pairs do not hold
+    std::int64_t squares = 0;     ///< of all other samples, where these leave no lane of sx for it
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
-        const Samples pixel = table.beyond(pair, i);  // the last one
-        s += Samples::load(pair) + pixel;
-        sx += Samples::load(pair + Table::lanes) + pixel * (i - 1.0);
+        const PixelLanes pixel = table.beyond(pair, i);  // the last one
+        s += PixelLanes::load(pair) + pixel;
+        sx += PixelLanes::load(pair + Table::lanes) + pixel * (i - 1.0);
         last_squares += pixel * pixel;
         sy += s;
         if constexpr (!Table::has_spare_lane) squares += pair[Table::lanes + C];
@@ -8557,9 +8558,10 @@ struct PairSums {
 /// The same of pairs whose samples are bytes, in integers as far as 32 bits hold them: a whole mesh takes 0.9 of the time.
 template <>
 struct PairSums<3, true> {
-    using Samples = MomentTable<3>::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    IntLanes last_squares = IntLanes::zero();     ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+    using PixelLanes = MomentTable<3>::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s,
+               sy = s;                         ///< as in Moments once finish() was called; until then sy is the sum of all s
+    IntLanes last_squares = IntLanes::zero();  ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {

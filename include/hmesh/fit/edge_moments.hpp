@@ -109,15 +109,15 @@ struct ColumnSums {
 template <int C>
 struct EntrySums {
     using Table = MomentTable<C>;
-    using Samples = typename Table::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments
-    double squares = 0;                           ///< of all samples, where these leave no lane of sx for it
+    using PixelLanes = typename Table::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s, sy = s;  ///< as in Moments
+    double squares = 0;                                 ///< of all samples, where these leave no lane of sx for it
 
     /// Adds row j = y, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
         const double* const entry = table.entries() + table.offset(i, j);
-        const Samples low = Samples::load(entry);
-        s += low, sx += Samples::load(entry + Table::lanes), sy += low * y;
+        const PixelLanes low = PixelLanes::load(entry);
+        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * y;
         if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
@@ -131,17 +131,18 @@ struct EntrySums {
 template <int C, bool in_integers = C == 3 && IntLanes::is_register>
 struct PairSums {
     using Table = MomentTable<C>;
-    using Samples = typename Table::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    Samples last_squares = s;                     ///< of the pixels that pairs do not hold
-    std::int64_t squares = 0;                     ///< of all other samples, where these leave no lane of sx for it
+    using PixelLanes = typename Table::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s,
+               sy = s;            ///< as in Moments once finish() was called; until then sy is the sum of all s
+    PixelLanes last_squares = s;  ///< of the pixels that pairs do not hold
+    std::int64_t squares = 0;     ///< of all other samples, where these leave no lane of sx for it
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
-        const Samples pixel = table.beyond(pair, i);  // the last one
-        s += Samples::load(pair) + pixel;
-        sx += Samples::load(pair + Table::lanes) + pixel * (i - 1.0);
+        const PixelLanes pixel = table.beyond(pair, i);  // the last one
+        s += PixelLanes::load(pair) + pixel;
+        sx += PixelLanes::load(pair + Table::lanes) + pixel * (i - 1.0);
         last_squares += pixel * pixel;
         sy += s;
         if constexpr (!Table::has_spare_lane) squares += pair[Table::lanes + C];
@@ -157,9 +158,10 @@ struct PairSums {
 /// The same of pairs whose samples are bytes, in integers as far as 32 bits hold them: a whole mesh takes 0.9 of the time.
 template <>
 struct PairSums<3, true> {
-    using Samples = MomentTable<3>::Samples;
-    Samples s = Samples::zero(), sx = s, sy = s;  ///< as in Moments once finish() was called; until then sy is the sum of all s
-    IntLanes last_squares = IntLanes::zero();     ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+    using PixelLanes = MomentTable<3>::PixelLanes;
+    PixelLanes s = PixelLanes::zero(), sx = s,
+               sy = s;                         ///< as in Moments once finish() was called; until then sy is the sum of all s
+    IntLanes last_squares = IntLanes::zero();  ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {

@@ -50,8 +50,8 @@ class MomentTable {
     static constexpr int lanes = lanes_for(C + 1);  ///< numbers in one half of an entry
     static constexpr int entry_size = 2 * lanes;    ///< numbers in an entry
     using Channels = Lanes<lanes>;                  ///< one half of an entry
-    using Samples = Lanes<lanes_for(C)>;            ///< the samples of a pixel, padded
-    /// Whether Samples hold lane C of a half too.
+    using PixelLanes = Lanes<lanes_for(C)>;         ///< the samples of a pixel, padded
+    /// Whether PixelLanes hold lane C of a half too.
     static constexpr bool has_spare_lane = lanes_for(C) > C;
 
     /// The sums of an entry.
@@ -207,10 +207,10 @@ class MomentTable {
         return int32_entries_.data() + pair_offset(x, y);
     }
     /// The samples of the pixel by which entry (x, y) is beyond its pair(): 0 where x is even, and in the lanes above them.
-    [[nodiscard]] static HMESH_ALWAYS_INLINE Samples beyond(const std::int32_t* pair, int x) noexcept {
-        const Samples part = Samples::load(parts.of[static_cast<unsigned>(x) % 2]);
-        if constexpr (has_bytes) return Samples::bytes(pair[C]) * part;
-        else return Samples::load(pair + pixel_at) * part;
+    [[nodiscard]] static HMESH_ALWAYS_INLINE PixelLanes beyond(const std::int32_t* pair, int x) noexcept {
+        const PixelLanes part = PixelLanes::load(parts.of[static_cast<unsigned>(x) % 2]);
+        if constexpr (has_bytes) return PixelLanes::bytes(pair[C]) * part;
+        else return PixelLanes::load(pair + pixel_at) * part;
     }
     /// The same of three channels, one a byte, the first in the lowest.
     [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {

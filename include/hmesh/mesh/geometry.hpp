@@ -31,7 +31,7 @@ struct Point {
 /// A number without its fraction, as an integer; x in [0, 2^31). Of a conversion engines of WebAssembly make a dozen instructions
 /// and a branch, since it may trap; of this half as many, and none.
 [[nodiscard]] HMESH_ALWAYS_INLINE int truncated(double x) noexcept {
-#if defined(__wasm__)
+#if defined(__wasm__) && !defined(__FAST_MATH__)
     constexpr double shift = 6755399441055744;  // 1.5 * 2^52: in a sum with it the last bits are those of the nearest integer
     const double sum = x + shift;
     std::int64_t bits;
