@@ -146,7 +146,7 @@ class SvgPage {
         else if (options_.kind == SvgOptions::Kind::gradient) gradients();
         else flat_faces();
         if (is_masked) writer_.text("</g>\n");
-        if (options_.wireframe) wireframe();
+        if (options_.wireframe && mesh_.face_count > 0) wireframe();
         writer_.text("</svg>\n");
         return writer_.finish();
     }
