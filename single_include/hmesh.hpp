@@ -8532,10 +8532,9 @@ template <int C, bool in_integers = C == 3 && IntLanes::is_register>
 struct PairSums {
     using Table = MomentTable<C>;
     using PixelLanes = typename Table::PixelLanes;
-    PixelLanes s = PixelLanes::zero(), sx = s,
-               sy = s;            ///< as in Moments once finish() was called; until then sy is the sum of all s
-    PixelLanes last_squares = s;  ///< of the pixels that pairs do not hold
-    std::int64_t squares = 0;     ///< of all other samples, where these leave no lane of sx for it
+    PixelLanes s = PixelLanes::zero(), sx = s, sy = s;  ///< as in Moments; sy is the sum of all s until finish()
+    PixelLanes last_squares = s;                        ///< of the pixels that pairs do not hold
+    std::int64_t squares = 0;                           ///< of all other samples, where these leave no lane of sx for it
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
@@ -8559,9 +8558,8 @@ struct PairSums {
 template <>
 struct PairSums<3, true> {
     using PixelLanes = MomentTable<3>::PixelLanes;
-    PixelLanes s = PixelLanes::zero(), sx = s,
-               sy = s;                         ///< as in Moments once finish() was called; until then sy is the sum of all s
-    IntLanes last_squares = IntLanes::zero();  ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
+    PixelLanes s = PixelLanes::zero(), sx = s, sy = s;  ///< as in Moments; sy is the sum of all s until finish()
+    IntLanes last_squares = IntLanes::zero();           ///< of the pixels that pairs do not hold: of 2^16 rows below 2^32
 
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {
