@@ -380,8 +380,8 @@ struct IntLanes {
     using Block = std::uint32_t __attribute__((vector_size(16)));  ///< the type of the register
     static constexpr bool is_register = true;                      ///< whether four integers cost what two doubles do
 #else
-    using Block = std::array<std::uint32_t, 4>;
-    static constexpr bool is_register = false;
+    using Block = std::array<std::uint32_t, 4>;  ///< four numbers
+    static constexpr bool is_register = false;   ///< whether four integers cost what two doubles do
 #endif
     Block block;  ///< all lanes, as they are without a sign
 

@@ -15,7 +15,7 @@ export interface Pixels {
   readonly width: number;
   /** px, 1 to 65536; at most 2^28 pixels in all. */
   readonly height: number;
-  /** 4, RGBA, unless it is 3, RGB. An image whose alpha is 255 throughout is meshed as RGB, in half the time. */
+  /** 4, RGBA, unless it is 3, RGB. An image whose alpha is 255 throughout is meshed as RGB, in two thirds of the time. */
   readonly channels?: 3 | 4;
 }
 
