@@ -50,7 +50,7 @@ std::int64_t below(Random& random, std::int64_t n) {
 TEST_CASE("truncated drops the fraction, at whole numbers and one step beside them too") {
     Random random(5);
     for (int round = 0; round < 10000; ++round) {
-        const double whole = static_cast<double>(random.below(round % 2 == 0 ? 100 : 2147483648U));
+        const auto whole = static_cast<double>(random.below(round % 2 == 0 ? 100 : 2147483648U));
         CHECK(hmesh::kit::truncated(whole) == static_cast<std::int64_t>(whole));
         if (whole < 2147483647) CHECK(hmesh::kit::truncated(std::nextafter(whole + 1, 0.0)) == static_cast<std::int64_t>(whole));
         CHECK(hmesh::kit::truncated(whole + 0.5) == static_cast<std::int64_t>(whole));

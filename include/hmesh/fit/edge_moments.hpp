@@ -164,7 +164,7 @@ struct PairSums<3, true> {
     /// Adds row j, whose first i pixels are left of the edge.
     HMESH_ALWAYS_INLINE void add(const MomentTable<3>& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
-        const IntLanes pixel = IntLanes::bytes(table.bytes_beyond(pair, i));  // the last one
+        const IntLanes pixel = IntLanes::bytes(MomentTable<3>::bytes_beyond(pair, i));  // the last one
         s += (IntLanes::load(pair) + pixel).doubles();
         sx += (IntLanes::load(pair + MomentTable<3>::lanes) + small_product(pixel, IntLanes::all(i - 1))).doubles();
         last_squares += small_product(pixel, pixel);
