@@ -13,6 +13,7 @@ const ANSWER = ['code', 'message', 'width', 'height', 'channels', 'premultiplied
   'indices', 'bytes', 'size'];
 const PAGE = 65536;  // bytes of a page of memory
 const STACK = 1048576;  // bytes; meshing takes a fifth
+const ALIGNMENT = 16;  // bytes: what compilers take for granted of a stack
 
 export class HmeshError extends Error {
   constructor(message, code = 'invalid_argument') {
@@ -120,7 +121,12 @@ export class Hmesh {
   }
 
   // Addresses from which the stacks of so many helpers grow down.
-  stacks(count) { return this.#run((wasm) => Array.from({ length: count }, () => wasm.hmesh_allocate(STACK) + STACK)); }
+  stacks(count) {
+    return this.#run((wasm) => Array.from({ length: count }, () => {
+      const end = wasm.hmesh_allocate(STACK) + STACK;
+      return end - end % ALIGNMENT;
+    }));
+  }
 
   meshImage(image, options = {}) {
     image = checkImage(image);
