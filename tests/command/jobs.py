@@ -36,6 +36,8 @@ def forge(path, **changes):
     values = json.loads(Path(path).read_text())
     del values["check"]
     values.update(changes)
+    for name in {"seconds", "processor_seconds"} & values.get("facts", {}).keys():
+        values["facts"][name] = 0.5  # of a measured time the command may write a digit more than Python would
     text = json.dumps(values, indent=1, ensure_ascii=False)
     values["check"] = hashlib.sha256(text.encode()).hexdigest()
     Path(path).write_text(json.dumps(values, indent=1, ensure_ascii=False) + "\n")
