@@ -117,14 +117,23 @@ class TiledMesh {
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, true, body); }
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {}, body); }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
-    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, true, body); }
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }
     /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
-    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, false, body); }
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {false, false, 1}, body); }
     /// for_each_seam() with a body that changes no mesh.
-    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, false, body); }
+    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, false, 1}, body); }
+    /// look_at_each() for what some of the patches tell well enough: each sample_step()-th.
+    HMESH_COLD bool look_at_some(const Tiling& tiling, PatchWork body) {
+        return cut_and_run(tiling, {false, false, sample_step(tiling)}, body);
+    }
+    /// Of how many patches look_at_some() looks at one: 1 where patches stay for the next call, up to 7, so that it looks at 16
+    /// at least.
+    [[nodiscard]] HMESH_COLD std::size_t sample_step(const Tiling& tiling) const noexcept {
+        return is_small() ? 1 : std::max<std::size_t>(1, std::min<std::size_t>(7, tiling.size() / 16));
+    }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
     /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
@@ -198,16 +207,24 @@ class TiledMesh {
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
-    /// The four calls above.
-    HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
+    /// Which patches are worked on.
+    struct Which {
+        bool at_seams = false;  ///< those alone with vertices that were locked
+        bool changes = true;    ///< whether the work changes their meshes
+        std::size_t step = 1;   ///< those of each step-th tile alone
+    };
+    /// The five calls above.
+    HMESH_COLD bool cut_and_run(const Tiling& tiling, const Which& which, PatchWork body) {
         cut_along(tiling);
-        Array<double> sizes = at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
-        for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
+        Array<double> sizes = which.at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        for (std::size_t v = 0; which.at_seams && v < indexed_.locked_count; ++v)
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
+        for (std::size_t k = 0; k < sizes.size(); ++k)
+            if (k % which.step != 0) sizes[k] = 0;
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
         const bool stays = is_small() || (whole != nullptr && sizes.size() == 1);
-        std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
+        std::vector<detail::PatchResult<C>> results(!stays && which.changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::optional<Patch<C>>& patch = patches_[tile];
             if (!patch)
@@ -218,7 +235,7 @@ class TiledMesh {
                 body(*patch, tile);
             }
             if (stays) return;
-            if (changes) results[tile] = patch->result();
+            if (which.changes) results[tile] = patch->result();
             patch.reset();
         });
         if (!results.empty()) put_together(std::move(results));

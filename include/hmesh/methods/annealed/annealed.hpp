@@ -239,7 +239,20 @@ class AnnealedRun {
         tie(tiled_->indexed(), source.periodic());
         lay_tiles();
         progress().set_range(0.9, 0.9);
-        return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
+        return find_energy();  // the end of a stage tells 1
+    }
+    /// Finds the energy of the first mesh or, where patches do not stay, about that.
+    HMESH_COLD bool find_energy() {
+        if (tiled_->sample_step(tilings_[0]) == 1) return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});
+        Array<double> energies(tilings_[0].size(), 0.0), faces(tilings_[0].size(), 0.0);
+        const bool go_on = tiled_->look_at_some(tilings_[0], [&](Patch<C>& patch, std::size_t tile) {
+            energies[tile] = patch.mesh().energy();
+            faces[tile] = static_cast<double>(patch.mesh().topology().face_count());
+        });
+        double energy = 0, looked_at = 0;
+        for (std::size_t k = 0; k < energies.size(); ++k) energy += energies[k], looked_at += faces[k];
+        tiled_->indexed().energy = energy * static_cast<double>(tiled_->indexed().faces.size()) / looked_at;
+        return go_on;
     }
 
     /// A piece of work on a patch.
@@ -296,10 +309,12 @@ class AnnealedRun {
         const double begin = has_seams && has_settled ? 0.05 : 0;
         if (has_settled && !for_each_seam(0, begin, visits())) return false;
         double reached = begin;
-        for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
+        // Annealing does not mind a few more.
+        const std::size_t most = n_ + (steps_.annealing.sweeps > 0 ? n_ / 1000 : 0);
+        for (int stuck = 0; tiled_->vertex_count() > most && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
-            const auto most = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
-            const std::size_t batch = std::min(before - n_, most);
+            const auto largest = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, largest);
             const auto done = [&](std::size_t count) {
                 return begin + (1 - begin) * static_cast<double>(first - count) / static_cast<double>(first - n_);
             };
@@ -311,13 +326,20 @@ class AnnealedRun {
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, seam);
-            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            // No two neighbours go in one batch, and so never a third of all.
+            const bool may_end = before - batch <= n_ && 3 * batch < before;
+            if (may_end) remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            else remove_cheap(*tiled_, tilings_[phase_], share, steps_.relaxation);
             if (progress().stopped()) return false;
-            if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
+            if (has_seams) {
                 phase_ ^= 1;
-                progress().set_range(seam, to);
-                remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
-                if (progress().stopped()) return false;
+                // Where the seams can end it they do; else their vertices come with all others of the next batch.
+                const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
+                if (left > 0 && 3 * left < tiled_->locked_count()) {
+                    progress().set_range(seam, to);
+                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
+                    if (progress().stopped()) return false;
+                }
             }
             stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;
         }
@@ -327,11 +349,12 @@ class AnnealedRun {
 
     /// first_price() of the whole mesh, from some thousand vertices.
     [[nodiscard]] HMESH_COLD double measured_price() {
-        const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
         const Tiling& tiles = tilings_[phase_];
+        const std::size_t most = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
+        const std::size_t step = std::max<std::size_t>(1, most / tiled_->sample_step(tiles));
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->look_at_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        tiled_->look_at_some(tiles, [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
         });
         VertexWorths worths;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -100,6 +101,49 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
     const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
     tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
+}
+
+/// The same, from patches that may have to be made twice to remove just so many: about so many, by what some of the patches tell
+/// of the dearest vertex that is to go. Exactly so many where patches stay.
+template <int C>
+HMESH_COLD void remove_cheap(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+    if (tiled.sample_step(tiling) == 1) return (void)remove_cheapest(tiled, tiling, count, relaxation);
+    const auto [from, to] = tiled.progress().range();
+    const double middle = from + 0.1 * (to - from);
+    tiled.progress().set_range(from, middle);
+    std::vector<Array<double>> costs(tiling.size());
+    Array<double> free_counts(tiling.size(), 0.0);
+    const auto choose = [&](Patch<C>& patch) {
+        const Array<Vertex> vertices = patch.free_vertices();
+        patch.mesh().expect(1, static_cast<double>(vertices.size()));
+        return cheapest_removals(patch.mesh(), vertices, vertices.size());
+    };
+    const bool go_on = tiled.look_at_some(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        for (const Removal& removal : choose(patch)) costs[tile].push_back(removal.cost);
+        free_counts[tile] = static_cast<double>(patch.free_count());
+    });
+    if (!go_on) return;
+    Array<double> all;
+    double looked_at = 0;
+    for (std::size_t k = 0; k < costs.size(); ++k) {
+        looked_at += free_counts[k];
+        for (const double cost : costs[k]) all.push_back(cost);
+    }
+    const double share = looked_at / static_cast<double>(tiled.vertex_count() - tiled.locked_count());
+    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(count));
+    double dearest = std::numeric_limits<double>::infinity();
+    if (wanted < all.size()) {
+        std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(wanted), all.end());
+        dearest = all[wanted];
+    }
+    tiled.progress().set_range(middle, to);
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
+        const Array<Removal> removals = choose(patch);
+        std::size_t cheap = 0;
+        while (cheap < removals.size() && removals[cheap].cost < dearest) ++cheap;
+        patch.mesh().expect(1, static_cast<double>(cheap));
+        remove_batch(patch.mesh(), removals, cheap, relaxation);
+    });
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
