@@ -217,6 +217,37 @@ TEST_CASE("a round on the way to n takes and gives as many vertices as it is tol
     }
 }
 
+TEST_CASE("where some patches of a large image speak for all, about as many vertices go, and hardly dearer ones") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(16384, 260, 3);
+    const Tiling tiling(16384, 260, 256);
+    double most_energy = 0;
+    for (const bool is_exact : {true, false}) {
+        Work<std::uint8_t, 1> work(image);
+        REQUIRE(work.tiled.sample_step(tiling) == 4);
+        start(work, 4000);
+        const std::size_t before = work.count();
+        if (is_exact) CHECK(kit::detail::remove_cheapest(work.tiled, tiling, 400, {}) > 390);
+        else kit::detail::remove_cheap(work.tiled, tiling, 400, {});
+        const auto removed = static_cast<double>(before - work.count());
+        CHECK(removed == doctest::Approx(400).epsilon(0.15));
+        if (is_exact) most_energy = 1.02 * work.indexed().energy;
+        CHECK(work.indexed().energy < most_energy);
+        hmesh_test::prove(work);
+        if (is_exact) continue;
+        const std::size_t left = work.count();
+        kit::detail::remove_cheap(work.tiled, tiling, left, {});  // more than can go at once: all that can
+        CHECK(static_cast<double>(left - work.count()) > 0.2 * static_cast<double>(left));
+        hmesh_test::prove(work);
+    }
+    // A small one has patches that stay: exactly as many.
+    Work<std::uint8_t, 1> small(hmesh_test::scene<std::uint8_t, 1>(120, 100, 3));
+    start(small, 800);
+    const std::size_t before = small.count();
+    REQUIRE(small.tiled.sample_step(Tiling(120, 100, 5)) == 1);
+    kit::detail::remove_cheap(small.tiled, Tiling(120, 100, 40), 50, {});
+    CHECK(small.count() == before - 50);
+}
+
 TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
     // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
     hmesh::MeshLimits limits;

@@ -545,6 +545,14 @@ void check_large(bool has_whole_table) {
             kit::sweep(patch.mesh());
         }));
         CHECK((narrow > 10) == !has_whole_table);
+        // Who looks at some sees every second one of 32 or more, whose mesh stays as it is.
+        const Tiling many(65536, 65, 2000);
+        REQUIRE(work.sample_step(many) == 2);
+        std::vector<unsigned char> is_seen(many.size());
+        const std::size_t count = work.vertex_count();
+        REQUIRE(work.look_at_some(many, [&](Patch<C>&, std::size_t tile) { is_seen[tile] = 1; }));
+        for (std::size_t k = 0; k < is_seen.size(); ++k) CHECK(is_seen[k] == (k % 2 == 0 ? 1 : 0));
+        CHECK(work.vertex_count() == count);
         // Who looks finds the patches again, vertex for vertex.
         std::vector<std::vector<Point>> looked(second.size()), places(second.size());
         REQUIRE(work.look_at_each(second, [&](Patch<C>& patch, std::size_t tile) {
