@@ -13630,14 +13630,25 @@ class TiledMesh {
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
     /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
     /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, true, body); }
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {}, body); }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
-    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, true, body); }
+    HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }
     /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
-    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, false, false, body); }
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {false, false, 1}, body); }
     /// for_each_seam() with a body that changes no mesh.
-    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, true, false, body); }
+    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) {
+        return cut_and_run(tiling, {true, false, 1}, body);
+    }
+    /// look_at_each() for what some of the patches tell well enough: each sample_step()-th.
+    HMESH_COLD bool look_at_some(const Tiling& tiling, PatchWork body) {
+        return cut_and_run(tiling, {false, false, sample_step(tiling)}, body);
+    }
+    /// Of how many patches look_at_some() looks at one: 1 where patches stay for the next call, up to 7, so that it looks at 16
+    /// at least.
+    [[nodiscard]] HMESH_COLD std::size_t sample_step(const Tiling& tiling) const noexcept {
+        return is_small() ? 1 : std::max<std::size_t>(1, std::min<std::size_t>(7, tiling.size() / 16));
+    }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
     /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
@@ -13711,16 +13722,24 @@ class TiledMesh {
         if (tiles.size() == 1) piece(0);
         else parallel_for_(tiles.size(), piece);
     }
-    /// The four calls above.
-    HMESH_COLD bool cut_and_run(const Tiling& tiling, bool at_seams, bool changes, PatchWork body) {
+    /// Which patches are worked on.
+    struct Which {
+        bool at_seams = false;  ///< those alone with vertices that were locked
+        bool changes = true;    ///< whether the work changes their meshes
+        std::size_t step = 1;   ///< those of each step-th tile alone
+    };
+    /// The five calls above.
+    HMESH_COLD bool cut_and_run(const Tiling& tiling, const Which& which, PatchWork body) {
         cut_along(tiling);
-        Array<double> sizes = at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
-        for (std::size_t v = 0; at_seams && v < indexed_.locked_count; ++v)
+        Array<double> sizes = which.at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
+        for (std::size_t v = 0; which.at_seams && v < indexed_.locked_count; ++v)
             if (cut_.owner[v] != detail::Cut::locked) ++sizes[cut_.owner[v]];
+        for (std::size_t k = 0; k < sizes.size(); ++k)
+            if (k % which.step != 0) sizes[k] = 0;
         const MomentTable<C>* const whole = whole_table(sizes.size() == 1);
         const double mean = mean_energy();
         const bool stays = is_small() || (whole != nullptr && sizes.size() == 1);
-        std::vector<detail::PatchResult<C>> results(!stays && changes ? sizes.size() : 0);
+        std::vector<detail::PatchResult<C>> results(!stays && which.changes ? sizes.size() : 0);
         run(sizes, [&](std::size_t tile, TaskProgress& task) {
             std::optional<Patch<C>>& patch = patches_[tile];
             if (!patch)
@@ -13731,7 +13750,7 @@ class TiledMesh {
                 body(*patch, tile);
             }
             if (stays) return;
-            if (changes) results[tile] = patch->result();
+            if (which.changes) results[tile] = patch->result();
             patch.reset();
         });
         if (!results.empty()) put_together(std::move(results));
@@ -13861,6 +13880,7 @@ class TiledMesh {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -13941,6 +13961,49 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
     const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
     tiled.progress().set_range(0.5 * (from + to), to);
     return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
+}
+
+/// The same, from patches that may have to be made twice to remove just so many: about so many, by what some of the patches tell
+/// of the dearest vertex that is to go. Exactly so many where patches stay.
+template <int C>
+HMESH_COLD void remove_cheap(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
+    if (tiled.sample_step(tiling) == 1) return (void)remove_cheapest(tiled, tiling, count, relaxation);
+    const auto [from, to] = tiled.progress().range();
+    const double middle = from + 0.1 * (to - from);
+    tiled.progress().set_range(from, middle);
+    std::vector<Array<double>> costs(tiling.size());
+    Array<double> free_counts(tiling.size(), 0.0);
+    const auto choose = [&](Patch<C>& patch) {
+        const Array<Vertex> vertices = patch.free_vertices();
+        patch.mesh().expect(1, static_cast<double>(vertices.size()));
+        return cheapest_removals(patch.mesh(), vertices, vertices.size());
+    };
+    const bool go_on = tiled.look_at_some(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        for (const Removal& removal : choose(patch)) costs[tile].push_back(removal.cost);
+        free_counts[tile] = static_cast<double>(patch.free_count());
+    });
+    if (!go_on) return;
+    Array<double> all;
+    double looked_at = 0;
+    for (std::size_t k = 0; k < costs.size(); ++k) {
+        looked_at += free_counts[k];
+        for (const double cost : costs[k]) all.push_back(cost);
+    }
+    const double share = looked_at / static_cast<double>(tiled.vertex_count() - tiled.locked_count());
+    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(count));
+    double dearest = std::numeric_limits<double>::infinity();
+    if (wanted < all.size()) {
+        std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(wanted), all.end());
+        dearest = all[wanted];
+    }
+    tiled.progress().set_range(middle, to);
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
+        const Array<Removal> removals = choose(patch);
+        std::size_t cheap = 0;
+        while (cheap < removals.size() && removals[cheap].cost < dearest) ++cheap;
+        patch.mesh().expect(1, static_cast<double>(cheap));
+        remove_batch(patch.mesh(), removals, cheap, relaxation);
+    });
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
@@ -14943,7 +15006,20 @@ class AnnealedRun {
         tie(tiled_->indexed(), source.periodic());
         lay_tiles();
         progress().set_range(0.9, 0.9);
-        return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});  // the energy; the end of a stage tells 1
+        return find_energy();  // the end of a stage tells 1
+    }
+    /// Finds the energy of the first mesh or, where patches do not stay, about that.
+    HMESH_COLD bool find_energy() {
+        if (tiled_->sample_step(tilings_[0]) == 1) return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});
+        Array<double> energies(tilings_[0].size(), 0.0), faces(tilings_[0].size(), 0.0);
+        const bool go_on = tiled_->look_at_some(tilings_[0], [&](Patch<C>& patch, std::size_t tile) {
+            energies[tile] = patch.mesh().energy();
+            faces[tile] = static_cast<double>(patch.mesh().topology().face_count());
+        });
+        double energy = 0, looked_at = 0;
+        for (std::size_t k = 0; k < energies.size(); ++k) energy += energies[k], looked_at += faces[k];
+        tiled_->indexed().energy = energy * static_cast<double>(tiled_->indexed().faces.size()) / looked_at;
+        return go_on;
     }
 
     /// A piece of work on a patch.
@@ -15000,10 +15076,12 @@ class AnnealedRun {
         const double begin = has_seams && has_settled ? 0.05 : 0;
         if (has_settled && !for_each_seam(0, begin, visits())) return false;
         double reached = begin;
-        for (int stuck = 0; tiled_->vertex_count() > n_ && stuck < 4;) {
+        // Annealing does not mind a few more.
+        const std::size_t most = n_ + (steps_.annealing.sweeps > 0 ? n_ / 1000 : 0);
+        for (int stuck = 0; tiled_->vertex_count() > most && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
-            const auto most = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
-            const std::size_t batch = std::min(before - n_, most);
+            const auto largest = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
+            const std::size_t batch = std::min(before - n_, largest);
             const auto done = [&](std::size_t count) {
                 return begin + (1 - begin) * static_cast<double>(first - count) / static_cast<double>(first - n_);
             };
@@ -15015,13 +15093,20 @@ class AnnealedRun {
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, seam);
-            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            // No two neighbours go in one batch, and so never a third of all.
+            const bool may_end = before - batch <= n_ && 3 * batch < before;
+            if (may_end) remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            else remove_cheap(*tiled_, tilings_[phase_], share, steps_.relaxation);
             if (progress().stopped()) return false;
-            if (const std::size_t left = batch - (before - tiled_->vertex_count()); has_seams && left > 0) {
+            if (has_seams) {
                 phase_ ^= 1;
-                progress().set_range(seam, to);
-                remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
-                if (progress().stopped()) return false;
+                // Where the seams can end it they do; else their vertices come with all others of the next batch.
+                const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
+                if (left > 0 && 3 * left < tiled_->locked_count()) {
+                    progress().set_range(seam, to);
+                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
+                    if (progress().stopped()) return false;
+                }
             }
             stuck = tiled_->vertex_count() < before ? 0 : stuck + 1;
         }
@@ -15031,11 +15116,12 @@ class AnnealedRun {
 
     /// first_price() of the whole mesh, from some thousand vertices.
     [[nodiscard]] HMESH_COLD double measured_price() {
-        const std::size_t step = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
         const Tiling& tiles = tilings_[phase_];
+        const std::size_t most = std::max<std::size_t>(1, std::min<std::size_t>(16, tiled_->vertex_count() / 1024));
+        const std::size_t step = std::max<std::size_t>(1, most / tiled_->sample_step(tiles));
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->look_at_each(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        tiled_->look_at_some(tiles, [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
         });
         VertexWorths worths;

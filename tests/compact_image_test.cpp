@@ -89,6 +89,34 @@ TEST_CASE("an image fits into the bytes that it is given, and uses them, the bet
     }
 }
 
+TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
+    hmesh::Image<std::uint8_t, 3> image(200, 160);
+    hmesh::kit::Random random(5);
+    for (int k = 0; k < 12; ++k) {
+        const auto below = [&](std::size_t n) { return static_cast<int>(random.below(n)); };
+        const int x0 = below(150), y0 = below(120), width = 10 + below(40), height = 10 + below(30);
+        const int color[3] = {below(256), below(256), below(256)};
+        for (int y = y0; y < y0 + height; ++y)
+            for (int x = x0; x < x0 + width; ++x)
+                for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = static_cast<std::uint8_t>(color[c]);
+    }
+    const CompactImage out = compact_image(image.view(), bytes(800), quick());
+    prove(image.view(), bytes(800), out);
+    CHECK(out.psnr > 40);
+}
+
+TEST_CASE("noise uses its bytes too") {
+    const auto image = hmesh_test::noise<std::uint8_t, 3>(120, 90, 2);
+    double before = 0;
+    for (const std::size_t budget : {200U, 500U, 1200U}) {
+        const CompactImage out = compact_image(image.view(), bytes(budget), quick());
+        prove(image.view(), bytes(budget), out);
+        CHECK(static_cast<double>(out.bytes.size()) >= 0.96 * static_cast<double>(budget));
+        CHECK(out.psnr > before);
+        before = out.psnr;
+    }
+}
+
 TEST_CASE("too few bytes are refused, with those that are needed") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 30, 1);
     for (const bool bare : {false, true}) {

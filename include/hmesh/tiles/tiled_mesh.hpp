@@ -124,7 +124,9 @@ class TiledMesh {
     /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
     HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {false, false, 1}, body); }
     /// for_each_seam() with a body that changes no mesh.
-    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, false, 1}, body); }
+    HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) {
+        return cut_and_run(tiling, {true, false, 1}, body);
+    }
     /// look_at_each() for what some of the patches tell well enough: each sample_step()-th.
     HMESH_COLD bool look_at_some(const Tiling& tiling, PatchWork body) {
         return cut_and_run(tiling, {false, false, sample_step(tiling)}, body);
