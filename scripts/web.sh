@@ -31,7 +31,7 @@ compile() {
     local name=$1 file level
     shift
     for file in meshing images files; do
-        if [ "$file" = meshing ]; then level=(-O2 -mllvm -inline-threshold=30); else level=(-Oz -mnontrapping-fptoint); fi
+        if [ "$file" = meshing ]; then level=(-O2 -mllvm -inline-threshold=25); else level=(-Oz -mnontrapping-fptoint); fi
         emscripten "${level[@]}" -mbulk-memory "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude \
             "${include_folders[@]}" -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
     done

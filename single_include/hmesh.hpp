@@ -11950,21 +11950,23 @@ template <int C>
 
 /// Removes the first `count` of the vertices that cheapest_removals() has chosen, with the mesh as it was then, in the order of
 /// their places, which takes less time where that is a spatial order, and re-optimises the ring of each with relax(). Vertices of
-/// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
-/// others to be removed, or where mesh.keep_going() says stop.
+/// these rings become dirty. Where some cannot be removed any more, because they stand too close to others that were, the next
+/// ones of the list are. Returns the number of vertices removed, which is less than `count` where the list ends before, or where
+/// mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, const Array<Removal>& removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     Array<Vertex> ring;
     std::size_t removed = 0;
-    for (const Removal& removal : in_place_order(removals, count)) {
-        if (!mesh.keep_going()) break;
+    const Array<Removal> some = in_place_order(removals, count);
+    for (std::size_t k = 0; removed < count && k < removals.size() && mesh.keep_going(); ++k) {
+        const Vertex v = k < some.size() ? some[k].vertex : removals[k].vertex;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
-        const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
+        const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
-        for (const Halfedge h : topology.outgoing(removal.vertex)) ring.push_back(topology.to_vertex(h));
+        for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));
         mesh.collapse(now.halfedge);
         relax(mesh, ring, relaxation);
         for (const Vertex u : ring) mesh.set_dirty(u, true);
@@ -13634,20 +13636,33 @@ class TiledMesh {
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
     HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }
-    /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
-    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {false, false, 1}, body); }
+    /// for_each() with a body that changes no mesh, for the patches of each `step`-th tile alone: the next call with this tiling
+    /// finds the same patches, vertex for vertex.
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body, std::size_t step = 1) {
+        return cut_and_run(tiling, {false, false, step}, body);
+    }
     /// for_each_seam() with a body that changes no mesh.
     HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) {
         return cut_and_run(tiling, {true, false, 1}, body);
     }
-    /// look_at_each() for what some of the patches tell well enough: each sample_step()-th.
-    HMESH_COLD bool look_at_some(const Tiling& tiling, PatchWork body) {
-        return cut_and_run(tiling, {false, false, sample_step(tiling)}, body);
-    }
-    /// Of how many patches look_at_some() looks at one: 1 where patches stay for the next call, up to 7, so that it looks at 16
-    /// at least.
+    /// The step for what some patches tell well enough: 1 where patches stay for the next call, else up to 7, so that there are
+    /// 16 of them at least.
     [[nodiscard]] HMESH_COLD std::size_t sample_step(const Tiling& tiling) const noexcept {
         return is_small() ? 1 : std::max<std::size_t>(1, std::min<std::size_t>(7, tiling.size() / 16));
+    }
+    /// Finds energy() of a mesh of which it is not known, or about that, by some of its patches. Returns whether to go on.
+    HMESH_COLD bool estimate_energy(const Tiling& tiling) {
+        const std::size_t step = sample_step(tiling);
+        Array<double> energies(tiling.size(), 0.0);
+        const bool go_on = look_at_each(
+            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = patch.mesh().energy(); }, step);
+        double energy = 0, faces = 0;
+        for (std::size_t k = 0; k < energies.size(); k += step) {
+            energy += energies[k];
+            faces += static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        }
+        indexed_.energy = faces > 0 ? energy * static_cast<double>(cut_.faces.size()) / faces : 0;
+        return go_on;
     }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
@@ -13925,85 +13940,74 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
-/// that of tile k. Returns how many went.
-template <int C>
-HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<Array<Removal>>& removals,
-                                     std::size_t count, const Relaxation& relaxation) {
+/// Which vertices remove_cheapest() removes.
+enum class Removals : std::uint8_t {
+    exactly,   ///< so many
+    about,     ///< about so many: where patches are made anew each time, the costs in some stand for all
+    at_seams,  ///< so many of those that were locked in the last phase, which had another tiling
+};
+
+/// How many removals of each patch are among the `count` cheapest of all. `dearest` becomes the code of the cost of the first
+/// that is not, or the largest code.
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> shares_of_cheapest(const std::vector<Array<Removal>>& removals,
+                                                                      std::size_t count, std::uint64_t& dearest) {
     Array<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
         for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
     sort_by_code(all);
-    Array<std::size_t> quota(tiling.size(), 0);
+    dearest = count < all.size() ? all[count].code : ~std::uint64_t{0};
+    Array<std::size_t> quota(removals.size(), 0);
     for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
-    const std::size_t before = tiled.vertex_count();
-    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(quota[tile]));
-        remove_batch(patch.mesh(), removals[tile], quota[tile], relaxation);
-    });
-    return before - tiled.vertex_count();
+    return quota;
+}
+/// How many of these removals, the cheapest first, cost less than `dearest`; of those that cost just that, so many that there are
+/// `fair` of them.
+[[nodiscard]] HMESH_COLD inline std::size_t count_cheap(const Array<Removal>& removals, std::uint64_t dearest, double fair) {
+    std::size_t count = 0;
+    for (const Removal& removal : removals) {
+        const std::uint64_t code = code_of(removal.cost);
+        if (code > dearest || (code == dearest && static_cast<double>(count) >= fair)) break;
+        ++count;
+    }
+    return count;
 }
 
-/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling;
-/// `at_seams`: only such that were locked in the last phase, which had another tiling. Returns how many went, after a
-/// cancellation any number.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
+/// Returns how many went, after a cancellation any number.
 template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                       bool at_seams = false) {
+                                       Removals which = Removals::exactly) {
+    const std::size_t before = tiled.vertex_count(), step = which == Removals::about ? tiled.sample_step(tiling) : 1;
     std::vector<Array<Removal>> removals(tiling.size());
-    const auto [from, to] = tiled.progress().range();
-    tiled.progress().set_range(from, 0.5 * (from + to));
+    Array<double> choices(tiling.size(), 0.0);
     const auto choose = [&](Patch<C>& patch, std::size_t tile) {
-        const Array<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
-        patch.mesh().expect(1, static_cast<double>(vertices.size()));
-        removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
+        const Array<Vertex> vertices = which == Removals::at_seams ? patch.take_was_locked() : patch.free_vertices();
+        choices[tile] = static_cast<double>(vertices.size());
+        patch.mesh().expect(1, choices[tile]);
+        removals[tile] = cheapest_removals(patch.mesh(), vertices, step == 1 ? count : vertices.size());
     };
-    const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
-    tiled.progress().set_range(0.5 * (from + to), to);
-    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
-}
-
-/// The same, from patches that may have to be made twice to remove just so many: about so many, by what some of the patches tell
-/// of the dearest vertex that is to go. Exactly so many where patches stay.
-template <int C>
-HMESH_COLD void remove_cheap(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
-    if (tiled.sample_step(tiling) == 1) return (void)remove_cheapest(tiled, tiling, count, relaxation);
     const auto [from, to] = tiled.progress().range();
-    const double middle = from + 0.1 * (to - from);
+    const double middle = from + (step == 1 ? 0.5 : 0.1) * (to - from);
     tiled.progress().set_range(from, middle);
-    std::vector<Array<double>> costs(tiling.size());
-    Array<double> free_counts(tiling.size(), 0.0);
-    const auto choose = [&](Patch<C>& patch) {
-        const Array<Vertex> vertices = patch.free_vertices();
-        patch.mesh().expect(1, static_cast<double>(vertices.size()));
-        return cheapest_removals(patch.mesh(), vertices, vertices.size());
-    };
-    const bool go_on = tiled.look_at_some(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        for (const Removal& removal : choose(patch)) costs[tile].push_back(removal.cost);
-        free_counts[tile] = static_cast<double>(patch.free_count());
-    });
-    if (!go_on) return;
-    Array<double> all;
-    double looked_at = 0;
-    for (std::size_t k = 0; k < costs.size(); ++k) {
-        looked_at += free_counts[k];
-        for (const double cost : costs[k]) all.push_back(cost);
+    const bool go_on =
+        which == Removals::at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose, step);
+    if (!go_on) return 0;
+    double wanted = static_cast<double>(count);
+    const double share = wanted / static_cast<double>(before - tiled.locked_count());
+    if (step > 1) {
+        wanted = 0;
+        for (const double choice : choices) wanted += share * choice;
     }
-    const double share = looked_at / static_cast<double>(tiled.vertex_count() - tiled.locked_count());
-    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(count));
-    double dearest = std::numeric_limits<double>::infinity();
-    if (wanted < all.size()) {
-        std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(wanted), all.end());
-        dearest = all[wanted];
-    }
+    std::uint64_t dearest = 0;
+    const Array<std::size_t> quota = shares_of_cheapest(removals, static_cast<std::size_t>(wanted), dearest);
     tiled.progress().set_range(middle, to);
-    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
-        const Array<Removal> removals = choose(patch);
-        std::size_t cheap = 0;
-        while (cheap < removals.size() && removals[cheap].cost < dearest) ++cheap;
-        patch.mesh().expect(1, static_cast<double>(cheap));
-        remove_batch(patch.mesh(), removals, cheap, relaxation);
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        if (step > 1) choose(patch, tile);
+        const std::size_t its = step > 1 ? count_cheap(removals[tile], dearest, share * choices[tile]) : quota[tile];
+        patch.mesh().expect(1, static_cast<double>(its));
+        remove_batch(patch.mesh(), removals[tile], its, relaxation);
     });
+    return before - tiled.vertex_count();
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
@@ -15006,20 +15010,7 @@ class AnnealedRun {
         tie(tiled_->indexed(), source.periodic());
         lay_tiles();
         progress().set_range(0.9, 0.9);
-        return find_energy();  // the end of a stage tells 1
-    }
-    /// Finds the energy of the first mesh or, where patches do not stay, about that.
-    HMESH_COLD bool find_energy() {
-        if (tiled_->sample_step(tilings_[0]) == 1) return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});
-        Array<double> energies(tilings_[0].size(), 0.0), faces(tilings_[0].size(), 0.0);
-        const bool go_on = tiled_->look_at_some(tilings_[0], [&](Patch<C>& patch, std::size_t tile) {
-            energies[tile] = patch.mesh().energy();
-            faces[tile] = static_cast<double>(patch.mesh().topology().face_count());
-        });
-        double energy = 0, looked_at = 0;
-        for (std::size_t k = 0; k < energies.size(); ++k) energy += energies[k], looked_at += faces[k];
-        tiled_->indexed().energy = energy * static_cast<double>(tiled_->indexed().faces.size()) / looked_at;
-        return go_on;
+        return tiled_->estimate_energy(tilings_[0]);  // the end of a stage tells 1
     }
 
     /// A piece of work on a patch.
@@ -15095,8 +15086,7 @@ class AnnealedRun {
             progress().set_range(from, seam);
             // No two neighbours go in one batch, and so never a third of all.
             const bool may_end = before - batch <= n_ && 3 * batch < before;
-            if (may_end) remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
-            else remove_cheap(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
             if (progress().stopped()) return false;
             if (has_seams) {
                 phase_ ^= 1;
@@ -15104,7 +15094,7 @@ class AnnealedRun {
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
                 if (left > 0 && 3 * left < tiled_->locked_count()) {
                     progress().set_range(seam, to);
-                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
+                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;
                 }
             }
@@ -15121,9 +15111,10 @@ class AnnealedRun {
         const std::size_t step = std::max<std::size_t>(1, most / tiled_->sample_step(tiles));
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->look_at_some(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        const auto sample = [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
-        });
+        };
+        tiled_->look_at_each(tiles, sample, tiled_->sample_step(tiles));
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());

@@ -19,6 +19,7 @@ namespace kit = hmesh::kit;
 using hmesh::kit::apportion;
 using hmesh::kit::reach_vertex_count;
 using hmesh::kit::Tiling;
+using hmesh::kit::detail::Removals;
 using hmesh_test::Work;
 
 namespace {
@@ -227,7 +228,7 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
         start(work, 4000);
         const std::size_t before = work.count();
         if (is_exact) CHECK(kit::detail::remove_cheapest(work.tiled, tiling, 400, {}) > 390);
-        else kit::detail::remove_cheap(work.tiled, tiling, 400, {});
+        else (void)kit::detail::remove_cheapest(work.tiled, tiling, 400, {}, Removals::about);
         const auto removed = static_cast<double>(before - work.count());
         CHECK(removed == doctest::Approx(400).epsilon(0.15));
         if (is_exact) most_energy = 1.02 * work.indexed().energy;
@@ -235,7 +236,8 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
         hmesh_test::prove(work);
         if (is_exact) continue;
         const std::size_t left = work.count();
-        kit::detail::remove_cheap(work.tiled, tiling, left, {});  // more than can go at once: all that can
+        (void)kit::detail::remove_cheapest(work.tiled, tiling, left, {},
+                                           Removals::about);  // more than can go at once: all that can
         CHECK(static_cast<double>(left - work.count()) > 0.2 * static_cast<double>(left));
         hmesh_test::prove(work);
     }
@@ -244,7 +246,7 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
     start(small, 800);
     const std::size_t before = small.count();
     REQUIRE(small.tiled.sample_step(Tiling(120, 100, 5)) == 1);
-    kit::detail::remove_cheap(small.tiled, Tiling(120, 100, 40), 50, {});
+    (void)kit::detail::remove_cheapest(small.tiled, Tiling(120, 100, 40), 50, {}, Removals::about);
     CHECK(small.count() == before - 50);
 }
 

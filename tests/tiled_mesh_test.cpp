@@ -550,7 +550,8 @@ void check_large(bool has_whole_table) {
         REQUIRE(work.sample_step(many) == 2);
         std::vector<unsigned char> is_seen(many.size());
         const std::size_t count = work.vertex_count();
-        REQUIRE(work.look_at_some(many, [&](Patch<C>&, std::size_t tile) { is_seen[tile] = 1; }));
+        REQUIRE(work.look_at_each(
+            many, [&](Patch<C>&, std::size_t tile) { is_seen[tile] = 1; }, work.sample_step(many)));
         for (std::size_t k = 0; k < is_seen.size(); ++k) CHECK(is_seen[k] == (k % 2 == 0 ? 1 : 0));
         CHECK(work.vertex_count() == count);
         // Who looks finds the patches again, vertex for vertex.

@@ -142,21 +142,23 @@ template <int C>
 
 /// Removes the first `count` of the vertices that cheapest_removals() has chosen, with the mesh as it was then, in the order of
 /// their places, which takes less time where that is a spatial order, and re-optimises the ring of each with relax(). Vertices of
-/// these rings become dirty. Returns the number of vertices removed, which is less where the last of them stand too close to
-/// others to be removed, or where mesh.keep_going() says stop.
+/// these rings become dirty. Where some cannot be removed any more, because they stand too close to others that were, the next
+/// ones of the list are. Returns the number of vertices removed, which is less than `count` where the list ends before, or where
+/// mesh.keep_going() says stop.
 template <int C>
 std::size_t remove_batch(ImageMesh<C>& mesh, const Array<Removal>& removals, std::size_t count, const Relaxation& relaxation) {
     const HalfedgeMesh& topology = mesh.topology();
     RingScratch<C> scratch;
     Array<Vertex> ring;
     std::size_t removed = 0;
-    for (const Removal& removal : in_place_order(removals, count)) {
-        if (!mesh.keep_going()) break;
+    const Array<Removal> some = in_place_order(removals, count);
+    for (std::size_t k = 0; removed < count && k < removals.size() && mesh.keep_going(); ++k) {
+        const Vertex v = k < some.size() ? some[k].vertex : removals[k].vertex;
         // Flips around earlier removals may have changed the ring: find the cheapest collapse again.
-        const CollapseCandidate now = cheapest_collapse(mesh, scratch, removal.vertex);
+        const CollapseCandidate now = cheapest_collapse(mesh, scratch, v);
         if (!now.halfedge.is_valid()) continue;
         ring.clear();
-        for (const Halfedge h : topology.outgoing(removal.vertex)) ring.push_back(topology.to_vertex(h));
+        for (const Halfedge h : topology.outgoing(v)) ring.push_back(topology.to_vertex(h));
         mesh.collapse(now.halfedge);
         relax(mesh, ring, relaxation);
         for (const Vertex u : ring) mesh.set_dirty(u, true);

@@ -121,20 +121,33 @@ class TiledMesh {
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
     HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }
-    /// for_each() with a body that changes no mesh: the next call with this tiling finds the same patches, vertex for vertex.
-    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {false, false, 1}, body); }
+    /// for_each() with a body that changes no mesh, for the patches of each `step`-th tile alone: the next call with this tiling
+    /// finds the same patches, vertex for vertex.
+    HMESH_COLD bool look_at_each(const Tiling& tiling, PatchWork body, std::size_t step = 1) {
+        return cut_and_run(tiling, {false, false, step}, body);
+    }
     /// for_each_seam() with a body that changes no mesh.
     HMESH_COLD bool look_at_each_seam(const Tiling& tiling, PatchWork body) {
         return cut_and_run(tiling, {true, false, 1}, body);
     }
-    /// look_at_each() for what some of the patches tell well enough: each sample_step()-th.
-    HMESH_COLD bool look_at_some(const Tiling& tiling, PatchWork body) {
-        return cut_and_run(tiling, {false, false, sample_step(tiling)}, body);
-    }
-    /// Of how many patches look_at_some() looks at one: 1 where patches stay for the next call, up to 7, so that it looks at 16
-    /// at least.
+    /// The step for what some patches tell well enough: 1 where patches stay for the next call, else up to 7, so that there are
+    /// 16 of them at least.
     [[nodiscard]] HMESH_COLD std::size_t sample_step(const Tiling& tiling) const noexcept {
         return is_small() ? 1 : std::max<std::size_t>(1, std::min<std::size_t>(7, tiling.size() / 16));
+    }
+    /// Finds energy() of a mesh of which it is not known, or about that, by some of its patches. Returns whether to go on.
+    HMESH_COLD bool estimate_energy(const Tiling& tiling) {
+        const std::size_t step = sample_step(tiling);
+        Array<double> energies(tiling.size(), 0.0);
+        const bool go_on = look_at_each(
+            tiling, [&](Patch<C>& patch, std::size_t tile) { energies[tile] = patch.mesh().energy(); }, step);
+        double energy = 0, faces = 0;
+        for (std::size_t k = 0; k < energies.size(); k += step) {
+            energy += energies[k];
+            faces += static_cast<double>(cut_.first[k + 1] - cut_.first[k]);
+        }
+        indexed_.energy = faces > 0 ? energy * static_cast<double>(cut_.faces.size()) / faces : 0;
+        return go_on;
     }
 
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the

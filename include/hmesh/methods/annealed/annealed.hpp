@@ -239,20 +239,7 @@ class AnnealedRun {
         tie(tiled_->indexed(), source.periodic());
         lay_tiles();
         progress().set_range(0.9, 0.9);
-        return find_energy();  // the end of a stage tells 1
-    }
-    /// Finds the energy of the first mesh or, where patches do not stay, about that.
-    HMESH_COLD bool find_energy() {
-        if (tiled_->sample_step(tilings_[0]) == 1) return tiled_->for_each(tilings_[0], [](Patch<C>&, std::size_t) {});
-        Array<double> energies(tilings_[0].size(), 0.0), faces(tilings_[0].size(), 0.0);
-        const bool go_on = tiled_->look_at_some(tilings_[0], [&](Patch<C>& patch, std::size_t tile) {
-            energies[tile] = patch.mesh().energy();
-            faces[tile] = static_cast<double>(patch.mesh().topology().face_count());
-        });
-        double energy = 0, looked_at = 0;
-        for (std::size_t k = 0; k < energies.size(); ++k) energy += energies[k], looked_at += faces[k];
-        tiled_->indexed().energy = energy * static_cast<double>(tiled_->indexed().faces.size()) / looked_at;
-        return go_on;
+        return tiled_->estimate_energy(tilings_[0]);  // the end of a stage tells 1
     }
 
     /// A piece of work on a patch.
@@ -328,8 +315,7 @@ class AnnealedRun {
             progress().set_range(from, seam);
             // No two neighbours go in one batch, and so never a third of all.
             const bool may_end = before - batch <= n_ && 3 * batch < before;
-            if (may_end) remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation);
-            else remove_cheap(*tiled_, tilings_[phase_], share, steps_.relaxation);
+            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
             if (progress().stopped()) return false;
             if (has_seams) {
                 phase_ ^= 1;
@@ -337,7 +323,7 @@ class AnnealedRun {
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
                 if (left > 0 && 3 * left < tiled_->locked_count()) {
                     progress().set_range(seam, to);
-                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, true);
+                    remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;
                 }
             }
@@ -354,9 +340,10 @@ class AnnealedRun {
         const std::size_t step = std::max<std::size_t>(1, most / tiled_->sample_step(tiles));
         std::vector<VertexWorths> of_tile(tiles.size());
         progress().set_range(0, 0);
-        tiled_->look_at_some(tiles, [&](Patch<C>& patch, std::size_t tile) {
+        const auto sample = [&](Patch<C>& patch, std::size_t tile) {
             sample_worths(patch.mesh(), patch.free_vertices(), step, of_tile[tile]);
-        });
+        };
+        tiled_->look_at_each(tiles, sample, tiled_->sample_step(tiles));
         VertexWorths worths;
         for (const VertexWorths& some : of_tile) {
             worths.gains.insert(worths.gains.end(), some.gains.begin(), some.gains.end());

@@ -65,85 +65,74 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// Removes the `count` cheapest of the vertices that cheapest_removals() has chosen in the patches of a tiling, removals[k] in
-/// that of tile k. Returns how many went.
-template <int C>
-HMESH_COLD std::size_t remove_chosen(TiledMesh<C>& tiled, const Tiling& tiling, const std::vector<Array<Removal>>& removals,
-                                     std::size_t count, const Relaxation& relaxation) {
+/// Which vertices remove_cheapest() removes.
+enum class Removals : std::uint8_t {
+    exactly,   ///< so many
+    about,     ///< about so many: where patches are made anew each time, the costs in some stand for all
+    at_seams,  ///< so many of those that were locked in the last phase, which had another tiling
+};
+
+/// How many removals of each patch are among the `count` cheapest of all. `dearest` becomes the code of the cost of the first
+/// that is not, or the largest code.
+[[nodiscard]] HMESH_COLD inline Array<std::size_t> shares_of_cheapest(const std::vector<Array<Removal>>& removals,
+                                                                      std::size_t count, std::uint64_t& dearest) {
     Array<Coded> all;  // by their costs, with the patch of the vertex
     for (std::size_t k = 0; k < removals.size(); ++k)
         for (const Removal& removal : removals[k]) all.push_back({code_of(removal.cost), static_cast<std::uint32_t>(k)});
     sort_by_code(all);
-    Array<std::size_t> quota(tiling.size(), 0);
+    dearest = count < all.size() ? all[count].code : ~std::uint64_t{0};
+    Array<std::size_t> quota(removals.size(), 0);
     for (std::size_t k = 0; k < std::min(count, all.size()); ++k) ++quota[all[k].number];
-    const std::size_t before = tiled.vertex_count();
-    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        patch.mesh().expect(1, static_cast<double>(quota[tile]));
-        remove_batch(patch.mesh(), removals[tile], quota[tile], relaxation);
-    });
-    return before - tiled.vertex_count();
+    return quota;
+}
+/// How many of these removals, the cheapest first, cost less than `dearest`; of those that cost just that, so many that there are
+/// `fair` of them.
+[[nodiscard]] HMESH_COLD inline std::size_t count_cheap(const Array<Removal>& removals, std::uint64_t dearest, double fair) {
+    std::size_t count = 0;
+    for (const Removal& removal : removals) {
+        const std::uint64_t code = code_of(removal.cost);
+        if (code > dearest || (code == dearest && static_cast<double>(count) >= fair)) break;
+        ++count;
+    }
+    return count;
 }
 
-/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling;
-/// `at_seams`: only such that were locked in the last phase, which had another tiling. Returns how many went, after a
-/// cancellation any number.
+/// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
+/// Returns how many went, after a cancellation any number.
 template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
-                                       bool at_seams = false) {
+                                       Removals which = Removals::exactly) {
+    const std::size_t before = tiled.vertex_count(), step = which == Removals::about ? tiled.sample_step(tiling) : 1;
     std::vector<Array<Removal>> removals(tiling.size());
-    const auto [from, to] = tiled.progress().range();
-    tiled.progress().set_range(from, 0.5 * (from + to));
+    Array<double> choices(tiling.size(), 0.0);
     const auto choose = [&](Patch<C>& patch, std::size_t tile) {
-        const Array<Vertex> vertices = at_seams ? patch.take_was_locked() : patch.free_vertices();
-        patch.mesh().expect(1, static_cast<double>(vertices.size()));
-        removals[tile] = cheapest_removals(patch.mesh(), vertices, count);
+        const Array<Vertex> vertices = which == Removals::at_seams ? patch.take_was_locked() : patch.free_vertices();
+        choices[tile] = static_cast<double>(vertices.size());
+        patch.mesh().expect(1, choices[tile]);
+        removals[tile] = cheapest_removals(patch.mesh(), vertices, step == 1 ? count : vertices.size());
     };
-    const bool go_on = at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose);
-    tiled.progress().set_range(0.5 * (from + to), to);
-    return go_on ? remove_chosen(tiled, tiling, removals, count, relaxation) : 0;
-}
-
-/// The same, from patches that may have to be made twice to remove just so many: about so many, by what some of the patches tell
-/// of the dearest vertex that is to go. Exactly so many where patches stay.
-template <int C>
-HMESH_COLD void remove_cheap(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation) {
-    if (tiled.sample_step(tiling) == 1) return (void)remove_cheapest(tiled, tiling, count, relaxation);
     const auto [from, to] = tiled.progress().range();
-    const double middle = from + 0.1 * (to - from);
+    const double middle = from + (step == 1 ? 0.5 : 0.1) * (to - from);
     tiled.progress().set_range(from, middle);
-    std::vector<Array<double>> costs(tiling.size());
-    Array<double> free_counts(tiling.size(), 0.0);
-    const auto choose = [&](Patch<C>& patch) {
-        const Array<Vertex> vertices = patch.free_vertices();
-        patch.mesh().expect(1, static_cast<double>(vertices.size()));
-        return cheapest_removals(patch.mesh(), vertices, vertices.size());
-    };
-    const bool go_on = tiled.look_at_some(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        for (const Removal& removal : choose(patch)) costs[tile].push_back(removal.cost);
-        free_counts[tile] = static_cast<double>(patch.free_count());
-    });
-    if (!go_on) return;
-    Array<double> all;
-    double looked_at = 0;
-    for (std::size_t k = 0; k < costs.size(); ++k) {
-        looked_at += free_counts[k];
-        for (const double cost : costs[k]) all.push_back(cost);
+    const bool go_on =
+        which == Removals::at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose, step);
+    if (!go_on) return 0;
+    double wanted = static_cast<double>(count);
+    const double share = wanted / static_cast<double>(before - tiled.locked_count());
+    if (step > 1) {
+        wanted = 0;
+        for (const double choice : choices) wanted += share * choice;
     }
-    const double share = looked_at / static_cast<double>(tiled.vertex_count() - tiled.locked_count());
-    const auto wanted = static_cast<std::size_t>(share * static_cast<double>(count));
-    double dearest = std::numeric_limits<double>::infinity();
-    if (wanted < all.size()) {
-        std::nth_element(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(wanted), all.end());
-        dearest = all[wanted];
-    }
+    std::uint64_t dearest = 0;
+    const Array<std::size_t> quota = shares_of_cheapest(removals, static_cast<std::size_t>(wanted), dearest);
     tiled.progress().set_range(middle, to);
-    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t) {
-        const Array<Removal> removals = choose(patch);
-        std::size_t cheap = 0;
-        while (cheap < removals.size() && removals[cheap].cost < dearest) ++cheap;
-        patch.mesh().expect(1, static_cast<double>(cheap));
-        remove_batch(patch.mesh(), removals, cheap, relaxation);
+    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
+        if (step > 1) choose(patch, tile);
+        const std::size_t its = step > 1 ? count_cheap(removals[tile], dearest, share * choices[tile]) : quota[tile];
+        patch.mesh().expect(1, static_cast<double>(its));
+        remove_batch(patch.mesh(), removals[tile], its, relaxation);
     });
+    return before - tiled.vertex_count();
 }
 
 /// Inserts `count` vertices, shared among patches in proportion to their error, at the best sites of each. Returns whether any
