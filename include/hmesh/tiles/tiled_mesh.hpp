@@ -228,7 +228,7 @@ class TiledMesh {
         bool changes = true;    ///< whether the work changes their meshes
         std::size_t step = 1;   ///< those of each step-th tile alone
     };
-    /// The five calls above.
+    /// The four calls above.
     HMESH_COLD bool cut_and_run(const Tiling& tiling, const Which& which, PatchWork body) {
         cut_along(tiling);
         Array<double> sizes = which.at_seams ? Array<double>(tiling.size(), 0.0) : detail::face_counts(cut_);
