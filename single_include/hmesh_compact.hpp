@@ -3615,7 +3615,7 @@ template <class T, int C>
             return next.promise;
         };
         // This is best for photographs. Drawings promise decibels more on finer ones, and chance alone up to 0.3.
-        double most = look(0.09) + 0.3;
+        double most = look(0.07) + 0.3;
         if (!found.empty()) found.front().promise = most;
         for (const double share : {0.045, 0.03, 0.02}) {
             const double promise = look(share);
