@@ -13991,14 +13991,12 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
     const bool go_on =
         which == Removals::at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose, step);
     if (!go_on) return 0;
-    double looked_at = 0;
-    for (const double its : choices) looked_at += its;
-    const double free = static_cast<double>(before - tiled.locked_count()),
-                 share = static_cast<double>(count) / std::max(1.0, free);
-    // Few patches hold most vertices, others than these.
-    if (step > 1 && 2 * looked_at * static_cast<double>(step) < free)
-        return remove_cheapest(tiled, tiling, count, relaxation, Removals::exactly);
-    const double wanted = step > 1 ? share * looked_at : static_cast<double>(count);
+    auto wanted = static_cast<double>(count);
+    const double share = wanted / std::max(1.0, static_cast<double>(before - tiled.locked_count()));
+    if (step > 1) {
+        wanted = 0;
+        for (const double choice : choices) wanted += share * choice;
+    }
     std::uint64_t dearest = 0;
     const Array<std::size_t> quota = shares_of_cheapest(removals, static_cast<std::size_t>(wanted), dearest);
     tiled.progress().set_range(middle, to);
@@ -15079,12 +15077,11 @@ class AnnealedRun {
             };
             // A batch may have fallen short of what was expected.
             const double from = reached, to = std::max(from, done(before - batch));
-            const double seam = has_seams ? from + 0.9 * (to - from) : to;
             reached = to;
             // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
-            progress().set_range(from, seam);
+            progress().set_range(from, to);
             // No two neighbours go in one batch, and so never a third of all.
             const bool may_end = before - batch <= n_ && 3 * batch < before;
             remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
@@ -15094,7 +15091,7 @@ class AnnealedRun {
                 // Where the seams can end it they do; else their vertices come with all others of the next batch.
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
                 if (left > 0 && 3 * left < tiled_->locked_count()) {
-                    progress().set_range(seam, to);
+                    progress().set_range(to, to);
                     remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;
                 }

@@ -307,12 +307,11 @@ class AnnealedRun {
             };
             // A batch may have fallen short of what was expected.
             const double from = reached, to = std::max(from, done(before - batch));
-            const double seam = has_seams ? from + 0.9 * (to - from) : to;
             reached = to;
             // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
             const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
-            progress().set_range(from, seam);
+            progress().set_range(from, to);
             // No two neighbours go in one batch, and so never a third of all.
             const bool may_end = before - batch <= n_ && 3 * batch < before;
             remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
@@ -322,7 +321,7 @@ class AnnealedRun {
                 // Where the seams can end it they do; else their vertices come with all others of the next batch.
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
                 if (left > 0 && 3 * left < tiled_->locked_count()) {
-                    progress().set_range(seam, to);
+                    progress().set_range(to, to);
                     remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;
                 }

@@ -116,14 +116,12 @@ HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling
     const bool go_on =
         which == Removals::at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose, step);
     if (!go_on) return 0;
-    double looked_at = 0;
-    for (const double its : choices) looked_at += its;
-    const double free = static_cast<double>(before - tiled.locked_count()),
-                 share = static_cast<double>(count) / std::max(1.0, free);
-    // Few patches hold most vertices, others than these.
-    if (step > 1 && 2 * looked_at * static_cast<double>(step) < free)
-        return remove_cheapest(tiled, tiling, count, relaxation, Removals::exactly);
-    const double wanted = step > 1 ? share * looked_at : static_cast<double>(count);
+    auto wanted = static_cast<double>(count);
+    const double share = wanted / std::max(1.0, static_cast<double>(before - tiled.locked_count()));
+    if (step > 1) {
+        wanted = 0;
+        for (const double choice : choices) wanted += share * choice;
+    }
     std::uint64_t dearest = 0;
     const Array<std::size_t> quota = shares_of_cheapest(removals, static_cast<std::size_t>(wanted), dearest);
     tiled.progress().set_range(middle, to);
