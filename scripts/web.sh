@@ -25,7 +25,7 @@ package=build/web/npm
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
 # compile NAME FLAG...: the binding, for hmesh.wasm or hmesh.threads.wasm. What meshes is compiled for speed, but for inlining that costs
-# 5 kB (brotli) and gains nothing; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
+# 6 kB (brotli) and gains a hundredth; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
 # (1.15 of a draft in node 20): for the rest alone.
 compile() {
     local name=$1 file level

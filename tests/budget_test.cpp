@@ -236,8 +236,8 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
         hmesh_test::prove(work);
         if (is_exact) continue;
         const std::size_t left = work.count();
-        (void)kit::detail::remove_cheapest(work.tiled, tiling, left, {},
-                                           Removals::about);  // more than can go at once: all that can
+        // More than can go at once: all that can.
+        (void)kit::detail::remove_cheapest(work.tiled, tiling, left, {}, Removals::about);
         CHECK(static_cast<double>(left - work.count()) > 0.2 * static_cast<double>(left));
         hmesh_test::prove(work);
     }
