@@ -65,10 +65,10 @@ async function optional(name) {
 // and loses 4.5 dB there.
 async function placeholders(thumbhash, blurhash) {
   const ours = (file) => import(pathToFileURL(resolve(folder, file)).href);
-  const [{ draw }, { load }, { encode }, { decode, toPixels }] = await Promise.all(
+  const [{ draw }, { Hmesh, compileCompact }, { encode }, { decode, toPixels }] = await Promise.all(
     ['samples.js', 'npm/core.node.js', 'npm/encoder.js', 'npm/placeholder.js'].map(ours));
   const [sample, small] = [[600, 400], [96, 64]].map(([width, height]) => ({ data: draw('balls', width, height), width, height }));
-  const hmesh = await load(), meshes = [100, 200, 300].map((bytes) => [`mesh, ${bytes} bytes`, toPixels(decode(encode(hmesh, sample, { bytes })))]);
+  const hmesh = new Hmesh(await compileCompact()), meshes = [100, 200, 300].map((bytes) => [`mesh, ${bytes} bytes`, toPixels(decode(encode(hmesh, sample, { bytes })))]);
   const hash = thumbhash.rgbaToThumbHash(small.width, small.height, small.data), { w, h, rgba } = thumbhash.thumbHashToRGBA(hash);
   const [few, many] = [[4, 3], [9, 9]].map((components) => blurhash.encode(small.data, small.width, small.height, ...components));
   return [['picture', sample], ...meshes, [`thumbhash, ${hash.length} bytes`, { data: rgba, width: w, height: h }],

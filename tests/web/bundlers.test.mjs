@@ -25,21 +25,22 @@ const lacks = (...modules) => (!browser && 'there is no Chromium') || modules.fi
 const { load } = await import(new URL('core.node.js', pathToFileURL(`${npm}/`)));
 const image = picture(120, 90), expected = hashOf((await load()).meshImage(image, { vertices: 100, effort: 'draft' }));
 
-// What users write: a mesh by a worker, the same without one, and a file.
+// What users write: a mesh by a worker, the same without one, a file, and one of so many bytes.
 const use = `
 import { hashOf, picture } from './pictures.mjs';
 export async function use({ Mesher, HmeshError }, load) {
   const mesher = new Mesher(), image = picture(120, 90);
   mesher.setImage(image);
   const mesh = await mesher.meshImage({ vertices: 100, effort: 'draft' });
-  const file = await mesher.write('ply');
+  const file = await mesher.write('ply'), { length } = (await mesher.meshImage({ bytes: 500, effort: 'draft' })).file;
   mesher.close();
   let isError = false;
   try { mesher.setImage({}); } catch (error) { isError = error instanceof HmeshError; }
-  return [hashOf(mesh), hashOf((await load()).meshImage(image, { vertices: 100, effort: 'draft' })), file.length > 1000, isError].join();
+  return [hashOf(mesh), hashOf((await load()).meshImage(image, { vertices: 100, effort: 'draft' })), file.length > 1000, length > 400 && length <= 500,
+    isError].join();
 }
 `;
-const told = [expected, expected, true, true].join();
+const told = [expected, expected, true, true, true].join();
 let folder;
 
 before(() => {
@@ -54,7 +55,7 @@ before(() => {
   writeFileSync(join(folder, 'main.mjs'), `${page}console.log(await use(hmesh, load));\n`);
   writeFileSync(join(folder, 'page.js'), `${page}globalThis.told = use(hmesh, load);\n`);
   // esbuild leaves new URL(..., import.meta.url) as it is: its users say where the files are.
-  writeFileSync(join(folder, 'page.esbuild.js'), `${page}globalThis.told = hmesh.init({ wasm: './hmesh.wasm',
+  writeFileSync(join(folder, 'page.esbuild.js'), `${page}globalThis.told = hmesh.init({ wasm: './hmesh.wasm', compactWasm: './hmesh.compact.wasm',
     worker: () => new Worker('./worker.js', { type: 'module' }) }).then(() => use(hmesh, () => load('./hmesh.wasm')));\n`);
   writeFileSync(join(folder, 'index.html'), '<!doctype html><link rel="icon" href="data:,"><script type="module" src="./page.js"></script>');
 });
@@ -92,9 +93,10 @@ test('deno has it from node_modules', { skip: !found('deno/package.json') && 'no
 test('TypeScript finds the types, and what is wrong by them', { skip: !found('typescript/package.json') && 'node finds no typescript' }, () => {
   writeFileSync(join(folder, 'types.ts'), `
 import { Mesher, meshImage, init, HmeshError, type Mesh, type Progress, type EffortMesh } from 'hmesh';
-import { load, Hmesh, compileHmesh } from 'hmesh/core';
+import { load, Hmesh, compileCompact, compileHmesh } from 'hmesh/core';
+import { encode } from 'hmesh/placeholder/encoder';
 export async function good(image: ImageData, signal: AbortSignal): Promise<Float32Array> {
-  await init({ wasm: new URL('x', 'y:'), worker: () => new Worker('w') });
+  await init({ wasm: new URL('x', 'y:'), compactWasm: './x', worker: () => new Worker('w') });
   const mesh: EffortMesh = await meshImage(image, { vertices: 5, effort: 'fine', seed: 2, weights: new Float32Array(4), signal,
     onProgress: ({ total, stage }) => console.log(total.toFixed(), stage.length) });
   const mesher = new Mesher();
@@ -104,6 +106,8 @@ export async function good(image: ImageData, signal: AbortSignal): Promise<Float
   console.log(new ImageData(picture.data, picture.width), new Blob([await mesher.write('svg', { kind: 'flat', mesh })]));
   const hmesh: Hmesh = await load(compileHmesh()), made: Mesh = hmesh.meshImage(image, { onProgress: (p: Progress) => p.total < 0.5 });
   try { hmesh.read(hmesh.write(made, 'hmc')); } catch (error) { if (error instanceof HmeshError) console.log(error.code); }
+  const { file, complete } = await meshImage(image, { bytes: 300, bare: true });
+  console.log(file?.length, complete, encode(new Hmesh(await compileCompact()), image, { bytes: 200, effort: 'fast' }).length);
   return made.positions;
 }
 // @ts-expect-error
@@ -149,7 +153,7 @@ test('a page built by esbuild shows it', { skip: lacks('esbuild') }, async () =>
     target: 'es2022', outdir, logLevel: 'error', nodePaths: [],
   });
   copyFileSync(join(folder, 'index.html'), join(outdir, 'index.html'));
-  copyFileSync(join(folder, 'node_modules', 'hmesh', 'hmesh.wasm'), join(outdir, 'hmesh.wasm'));
+  for (const name of ['hmesh.wasm', 'hmesh.compact.wasm']) copyFileSync(join(folder, 'node_modules', 'hmesh', name), join(outdir, name));
   await show(outdir);
 });
 

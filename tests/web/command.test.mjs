@@ -10,7 +10,7 @@ import { deflateSync } from 'node:zlib';
 import { hash, picture } from './pictures.mjs';
 
 const command = process.env.HMESH_COMMAND;
-const { load } = await import(new URL('core.node.js', pathToFileURL(`${process.env.HMESH_NPM}/`)));
+const { Hmesh, compileCompact, load } = await import(new URL('core.node.js', pathToFileURL(`${process.env.HMESH_NPM}/`)));
 
 // RGB where all is opaque, as the package then meshes it, else RGBA.
 function pngOf({ data, width, height }) {
@@ -40,7 +40,7 @@ function pngOf({ data, width, height }) {
 }
 
 test('files are those of the native command, byte for byte', { skip: !command && 'HMESH_COMMAND names no command' }, async () => {
-  const hmesh = await load(), folder = mkdtempSync(join(tmpdir(), 'hmesh-web-'));
+  const hmesh = await load(), encoder = new Hmesh(await compileCompact()), folder = mkdtempSync(join(tmpdir(), 'hmesh-web-'));
   try {
     for (const [name, image] of [['rgb', picture(120, 90)], ['rgba', picture(120, 90, { alpha: true })], ['tiles', picture(400, 300)]]) {
       writeFileSync(join(folder, `${name}.png`), pngOf(image));
@@ -52,6 +52,10 @@ test('files are those of the native command, byte for byte', { skip: !command &&
         for (const format of formats)
           assert.equal(hash(hmesh.write(mesh, format)), hash(readFileSync(join(folder, `${name}.${format}`))), `${name} ${effort} ${format}`);
       }
+      execFileSync(command, [`${name}.png`, '--bytes', '900', '--no-table', '--effort', 'fast', '--seed', '3', '-o', 'bytes.hmc'],
+        { cwd: folder, stdio: ['ignore', 'ignore', 'inherit'] });
+      const { file } = encoder.meshImage(image, { bytes: 900, effort: 'fast', seed: 3 });
+      assert.equal(hash(file), hash(readFileSync(join(folder, 'bytes.hmc'))), `${name} in 900 bytes`);
     }
   } finally {
     rmSync(folder, { recursive: true });

@@ -9,7 +9,7 @@ import { hash, hashOf, picture } from './pictures.mjs';
 
 const folder = pathToFileURL(`${process.env.HMESH_NPM}/`);
 const { HmeshError, Mesher, init, meshImage } = await import(new URL('index.node.js', folder));
-const { Hmesh, compileHmesh, load } = await import(new URL('core.node.js', folder));
+const { Hmesh, compileCompact, compileHmesh, load } = await import(new URL('core.node.js', folder));
 const image = picture(64, 48);
 
 // The error that a call, synchronous or not, ends with.
@@ -80,6 +80,46 @@ test('an image whose alpha is 255 is meshed as RGB, others as RGBA', async () =>
   assertMesh(multiplied, soft, 4);
   assert.deepEqual([straight.premultiplied, multiplied.premultiplied], [false, true]);
   assert.notEqual(hashOf(straight), hashOf(multiplied));
+});
+
+test('a target in bytes gives a compact file of no more, nearly all of them, and the mesh that it holds', async () => {
+  for (const alpha of [false, true]) {
+    const large = picture(200, 150, { alpha }), mesher = new Mesher(), told = [];
+    mesher.setImage(large);
+    const before = await mesher.meshImage({ vertices: 100, effort: 'draft' });
+    const mesh = await mesher.meshImage({ bytes: 1500, effort: 'fast', onProgress: ({ total }) => told.push(total) });
+    assertMesh(mesh, large, alpha ? 4 : 3);
+    assert.ok(mesh.file.length <= 1500 && mesh.file.length >= 1470, `${mesh.file.length} bytes`);
+    assert.deepEqual([mesh.complete, mesh.effort, told.at(-1)], [true, 'fast', 1]);
+    assert.deepEqual(told, [...told].sort((a, b) => a - b));
+    const drawn = await mesher.render({ mesh });
+    if (!alpha) assert.ok(Math.abs(psnrOf(drawn, large) - mesh.psnr) < 1e-6);
+    assert.equal(hashOf(await mesher.read(mesh.file)), hashOf(mesh));  // by another worker, of another module
+    assert.equal(hash((await mesher.meshImage({ bytes: 1500, effort: 'fast' })).file), hash(mesh.file));
+    assert.equal(hashOf(await mesher.meshImage({ vertices: 100, effort: 'draft' })), hashOf(before));
+    mesher.close();
+  }
+});
+
+test('of the bare profile, and stopped or with too few bytes', async () => {
+  const hmesh = new Hmesh(await compileCompact()), reader = await load();
+  const mesh = hmesh.meshImage(image, { bytes: 300, bare: true, effort: 'draft' });
+  assert.equal(hashOf(reader.read(mesh.file, { bare: true })), hashOf(mesh));
+  assert.ok(mesh.file.length <= 300);
+  assert.equal((await errorOf(() => hmesh.meshImage(image, { bytes: 300, onProgress: () => false }))).code, 'cancelled');
+  const thrown = new Error('no more');
+  assert.equal(await errorOf(() => hmesh.meshImage(image, { bytes: 300, onProgress() { throw thrown; } })), thrown);
+  const few = await errorOf(() => hmesh.meshImage(image, { bytes: 20 }));
+  assert.equal(few.code, 'target_out_of_range');
+  assert.match(few.message, /even of 4 vertices \(.*20\)/);
+  assert.match((await errorOf(() => reader.meshImage(image, { bytes: 300 }))).message, /hmesh\.compact\.wasm/);
+  assert.match((await errorOf(() => hmesh.write(mesh, 'ply'))).message, /hmesh\.wasm does/);
+  const bound = new AbortController(), mesher = new Mesher();
+  mesher.setImage(picture(300, 200));
+  const stopped = errorOf(() => mesher.meshImage({ bytes: 3000, effort: 'best', signal: bound.signal, onProgress() { bound.abort(); } }));
+  assert.equal((await stopped).name, 'AbortError');
+  assert.equal((await mesher.meshImage({ vertices: 70, effort: 'draft' })).vertices, 70);
+  mesher.close();
 });
 
 test('weights move vertices to where they are large, and a seed gives another mesh', async () => {
@@ -206,7 +246,10 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     [{ vertices: NaN }, /not finite/], [{ vertices: '100' }, /vertices must be a number: 100/], [{ percent: 0 }, /above 0/], [{ percent: 101 }, /101/],
     [{ psnr: -1 }, /positive/], [{ psnr: Infinity }, /finite/], [{ vertices: 10, psnr: 30 }, /vertices, psnr/], [{ vertices: 10n }, /number: 10/],
     [{ effort: 'hard' }, /effort .*hard/], [{ effort: Symbol('x') }, /effort .*Symbol/], [{ seed: -1 }, /seed .*-1/], [{ seed: 0.5 }, /seed .*0\.5/],
-    [{ seed: 2 ** 53 }, /seed/], [{ weights: [1] }, /Float32Array/], [{ weights: new Float32Array(5) }, /5 weights/],
+    [{ seed: 2 ** 53 }, /seed/], [{ weights: [1] }, /Float32Array/], [{ weights: new Float32Array(5) }, /64 x 48 numbers: 5/],
+    [{ bytes: 0 }, /bytes must be from 1 to .*: 0/], [{ bytes: NaN }, /NaN/], [{ bytes: '300' }, /bytes must be a number: 300/],
+    [{ bytes: 300, vertices: 10 }, /vertices, bytes/], [{ bytes: 300, weights: new Float32Array(64 * 48) }, /knows no weights/],
+    [{ bare: true }, /bare is of a target in bytes alone: percent/],
     [{ weights: new Float32Array(64 * 48).fill(-1) }, /negative/], [{ weights: new Float32Array(64 * 48).fill(NaN) }, /NaN/],
   ];
   for (const [bad, sentence] of options)
@@ -317,7 +360,7 @@ test('hmesh.meshing.wasm makes the same meshes, and refuses with a sentence what
 });
 
 test('the modules are no larger than is promised', async () => {
-  for (const [name, most] of [['hmesh', 160000], ['hmesh.threads', 160000], ['hmesh.meshing', 110000]]) {
+  for (const [name, most] of [['hmesh', 160000], ['hmesh.threads', 160000], ['hmesh.compact', 160000], ['hmesh.meshing', 110000]]) {
     const { length } = brotliCompressSync(await readFile(new URL(`${name}.wasm`, folder)));
     assert.ok(length <= most, `${name}.wasm has ${length} bytes by brotli, of ${most}`);
   }

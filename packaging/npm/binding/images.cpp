@@ -8,14 +8,12 @@
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "module.hpp"
+#include "progress.hpp"
 #ifdef __wasm_atomics__
 #include "crew.hpp"
 #include "heap.hpp"
 #endif
 
-// Told of progress: returns 0 to stop, 1 to go on, and 2 to go on after show() where there `is_mesh`. `stage` ends with a zero.
-HMESH_IMPORT(progress)
-int hmesh_progress(const char* stage, double fraction, double total, double vertices, double energy, int is_mesh);
 // Is handed the mesh so far, as an answer.
 HMESH_IMPORT(show) void hmesh_show(const void* answer);
 // Throws.
@@ -62,10 +60,8 @@ const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, 
     if (weights != nullptr) options.weights = {weights, width, height};
     double samples = 0;  // that count, of which only checked weights can tell
     const auto progress = [&](const hmesh::ProgressInfo& info) {
-        const bool is_mesh{info.mesh_so_far};
-        const int answer =
-            hmesh_progress(info.stage, info.fraction, info.total, static_cast<double>(info.vertices), info.energy, is_mesh);
-        if (answer == 2 && is_mesh) {
+        const int answer = binding::tell(info);
+        if (answer == 2 && info.mesh_so_far) {
             if (samples == 0)
                 samples =
                     channels * hmesh::kit::weight_sum(options.weights, hmesh::kit::weight_unit(options.weights), width, height);

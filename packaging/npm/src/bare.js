@@ -150,7 +150,7 @@ function readSites(bits, told, mixed, width, height, n) {
 
 // Triangles between points: of each directed edge, at [a][b], EDGE times the round of flips that has made the triangle on its left, and one more
 // than the point across from it there; 0 or nothing beside the border and where there is no edge.
-export function makeTriangles(x, y) {
+function makeTriangles(x, y) {
   const edges = x.map(() => Array(x.length));
   // The point across from an edge, or -1, and its round.
   const apex = (a, b) => (edges[a][b] & EDGE - 1) - 1;
@@ -210,7 +210,7 @@ export function makeTriangles(x, y) {
     set(a, d, c, round);
     set(d, b, c, round);
   };
-  return [apex, turn, star, begin, flip, since, angle, set, isInside];
+  return [apex, turn, star, begin, flip, since, angle];
 }
 
 function readFlips(mixed, n, [apex, turn, star, , flip, since, angle]) {

@@ -2,7 +2,7 @@
 // npx hmesh placeholder: each image becomes a line of HTML, or is written into the pages that show it.
 import { readFile, rename, writeFile } from 'node:fs/promises';
 import { dirname, join, relative, resolve } from 'node:path';
-import { load } from './core.node.js';
+import { Hmesh, compileCompact } from './core.node.js';
 import { encode, toText } from './encoder.js';
 import { readImage } from './images.node.js';
 
@@ -57,7 +57,7 @@ async function run([verb, ...words]) {
   if (verb === '--version') return console.log(JSON.parse(await readFile(new URL('package.json', import.meta.url), 'utf8')).version);
   if (verb === '--help' || words.includes('--help')) return console.log(USAGE);
   if (verb !== 'placeholder') refuse(`${verb ? `there is no command ${verb}` : 'no command was given'}\n${USAGE}`);
-  const { bytes, files, isJson } = parse(words), hmesh = await load(), known = new Map(), all = {};
+  const { bytes, files, isJson } = parse(words), hmesh = new Hmesh(await compileCompact()), known = new Map(), all = {};
   const make = async (file) => {
     const name = resolve(file);
     if (!known.has(name)) {

@@ -19,7 +19,7 @@ export interface Pixels {
   readonly channels?: 3 | 4;
 }
 
-/** What a mesh is to be like. One of vertices, percent and psnr may be given; by default it is 1 percent. */
+/** What a mesh is to be like. One of vertices, percent, psnr and bytes may be given; by default it is 1 percent. */
 export interface MeshOptions {
   /** Number of vertices, from 4 to the number of pixels. */
   vertices?: number;
@@ -27,6 +27,12 @@ export interface MeshOptions {
   percent?: number;
   /** The fewest vertices that reach this PSNR, in dB, as 10 log10(255^2 / MSE), the MSE over pixels and channels. Some six runs. */
   psnr?: number;
+  /** At most so many bytes of an .hmc file, of which all but some 2 % are used: vertices, their places and colours as coarse as that takes. The
+   * mesh is what `file` holds. Knows no weights, and of refine() makes one mesh alone; four times the time of a mesh of as many vertices, in one
+   * thread. Needs hmesh.compact.wasm, which a Mesher finds by itself. */
+  bytes?: number;
+  /** Of bytes: the bare profile, for data in a page, of which a mesh is as large as its lattice: WriteOptions. */
+  bare?: boolean;
   /** `normal` by default. */
   effort?: Effort;
   /** Of random numbers, a whole number from 0 to 2^53 - 1; 1 by default. The same image, options and seed give the same bytes. */
@@ -71,6 +77,8 @@ export interface Mesh {
   faces: number;
   /** dB: 10 log10(255^2 / MSE), the MSE over pixels and channels, of the mesh as a GPU draws it at the image's size. NaN of a file. */
   psnr: number;
+  /** Of a target in bytes: the .hmc file, which read() and every build of hmesh can read. */
+  file?: Uint8Array<ArrayBuffer>;
   /** Whether the mesh is what was asked for: false of one on the way to it, of one that was stopped, and where no mesh reached the PSNR. */
   complete: boolean;
 }
@@ -121,7 +129,7 @@ export class HmeshError extends Error {
 }
 
 /** Where hmesh.wasm comes from: its bytes, a module, an address, or the answer of fetch(). hmesh.meshing.wasm, two thirds as large, makes the same
- * meshes and refuses to write(), read() and render(). */
+ * meshes and refuses to write(), read() and render(); hmesh.compact.wasm refuses that too, and knows targets in bytes. */
 export type Source = WebAssembly.Module | BufferSource | URL | string | Response;
 
 /** One instance of hmesh. All calls are synchronous, and all of them may throw an HmeshError, after which it can be used as before. */
@@ -130,7 +138,7 @@ export class Hmesh {
   constructor(module: WebAssembly.Module, options?: { maximumMemory?: number });
   /** Makes a mesh. What onProgress or onMesh throws stops the work and is thrown. */
   meshImage(image: Pixels, options?: MeshOptions & {
-    /** Called every few milliseconds; where it returns false, the mesh reached so far is the result. */
+    /** Called every few milliseconds; where it returns false, the mesh reached so far is the result, of a target in bytes an HmeshError. */
     onProgress?: (progress: Progress) => boolean | void;
     /** Called with the mesh so far, some 40 times at most: where one can be had after a quarter more of the work, or a twentieth of the
      * whole. The first have up to three times the vertices. Their `psnr` is that before colours are rounded. Costs some percent. */
@@ -149,5 +157,8 @@ export class Hmesh {
 /** Compiles hmesh.wasm, by default that beside this file. */
 export function compileHmesh(source?: Source | Promise<Source>): Promise<WebAssembly.Module>;
 
-/** Compiles it and makes an instance. */
+/** Compiles hmesh.compact.wasm, for targets in bytes, by default that beside this file. */
+export function compileCompact(source?: Source | Promise<Source>): Promise<WebAssembly.Module>;
+
+/** Compiles hmesh.wasm and makes an instance. */
 export function load(source?: Source | Promise<Source>, options?: { maximumMemory?: number }): Promise<Hmesh>;

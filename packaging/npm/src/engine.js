@@ -7,8 +7,8 @@ const SVG_KINDS = ['gradient', 'exact', 'flat'];
 // hmesh::Errc
 const CODES = ['ok', 'invalid_argument', 'image_too_large', 'target_out_of_range', 'not_finite', 'write_failed', 'cancelled',
   'read_failed'];
-// hmesh::Target::Kind, with the names that options have
-const TARGETS = ['vertices', 'percent', 'psnr'];
+// hmesh::Target::Kind, with the names that options have, and what makes a compact file
+const TARGETS = ['vertices', 'percent', 'psnr', 'bytes'];
 const ANSWER = ['code', 'message', 'width', 'height', 'channels', 'premultiplied', 'vertices', 'faces', 'positions', 'colors',
   'indices', 'bytes', 'size'];
 const PAGE = 65536;  // bytes of a page of memory
@@ -32,22 +32,21 @@ function number(names, name, what) {
   return index < 0 ? refuse(`the ${what} is none of ${names.join(', ')}: ${String(name)}`) : index;
 }
 
-function pixels(what, px) {
-  if (!Number.isInteger(px) || px < 1 || px > 65536) refuse(`${what} must be a whole number from 1 to 65536, in px: ${String(px)}`);
-  return px;
+export function checkRange(what, value, low, high, isWhole) {
+  if (!(typeof value === 'number' && value >= low && value <= high && (!isWhole || value % 1 === 0)))
+    refuse(`${what} must be ${isWhole ? 'a whole number ' : ''}from ${low} to ${high}: ${String(value)}`);
 }
 
-export function checkRange(what, value, low, high) {
-  if (!(value >= low && value <= high)) refuse(`${what} must be from ${low} to ${high}: ${String(value)}`);
-}
+const checkPixels = (what, px) => checkRange(what, px, 1, 65536, true);
+const checkChannels = (what, channels) => channels === 3 || channels === 4 || refuse(`${what} must have 3 or 4 channels: ${String(channels)}`);
 
 // The image as an object of what is read of it alone, or an HmeshError.
 export function checkImage(image) {
   const { data, width, height, channels = 4 } = image ?? {};
-  if (!isTyped(data, 'Uint8Array', 'Uint8ClampedArray')) refuse('the image has no data that are bytes, as those of ImageData are');
-  pixels("the image's width", width);
-  pixels("the image's height", height);
-  if (channels !== 3 && channels !== 4) refuse(`the image must have 3 or 4 channels: ${String(channels)}`);
+  if (!isTyped(data, 'Uint8Array', 'Uint8ClampedArray')) refuse('the image has no data that are bytes');
+  checkPixels("the image's width", width);
+  checkPixels("the image's height", height);
+  checkChannels('the image', channels);
   const size = width * height * channels;
   if (data.length !== size)
     refuse(`the image has ${data.length} bytes (none where they were transferred), and ${width} x ${height} px of ${channels} `
@@ -57,18 +56,21 @@ export function checkImage(image) {
 
 // What is read of the options, checked; weights beside them, since they are large.
 export function checkOptions(options, image) {
-  const { effort = 'normal', seed = 1, premultiplied = false, weights } = options ?? {};
+  const { effort = 'normal', seed = 1, premultiplied = false, bare = false, weights } = options ?? {};
   number(EFFORTS, effort, 'effort');
-  if (!Number.isSafeInteger(seed) || seed < 0) refuse(`the seed must be a whole number from 0 to 2^53 - 1: ${String(seed)}`);
-  if (options?.bytes != null) refuse('a target in bytes is not known to this version');
+  checkRange('the seed', seed, 0, Number.MAX_SAFE_INTEGER, true);
   const given = TARGETS.filter((name) => options?.[name] != null);
   if (given.length > 1) refuse(`one of ${TARGETS.join(', ')} can be the target: ${given.join(', ')}`);
   const target = given[0] ?? 'percent', value = given.length > 0 ? options[target] : 1;
   if (typeof value !== 'number') refuse(`${target} must be a number: ${String(value)}`);
-  if (weights != null && !isTyped(weights, 'Float32Array')) refuse('the weights are no Float32Array');
-  if (weights != null && weights.length !== image.width * image.height)
-    refuse(`there are ${weights.length} weights, and ${image.width} x ${image.height} px`);
-  return { effort, seed, premultiplied: !!premultiplied, weights, [target]: value };
+  if (target === 'bytes') checkRange(target, value, 1, 2 ** 31);
+  else if (bare) refuse(`bare is of a target in bytes alone: ${target}`);
+  if (weights != null) {
+    if (target === 'bytes') refuse('a target in bytes knows no weights');
+    if (!isTyped(weights, 'Float32Array') || weights.length !== image.width * image.height)
+      refuse(`the weights are no Float32Array of ${image.width} x ${image.height} numbers: ${weights.length}`);
+  }
+  return { effort, seed, premultiplied: !!premultiplied, bare: !!bare, weights, [target]: value };
 }
 
 // Makes a module of bytes, a Response, what fetchFile() takes, or a promise of one of these.
@@ -89,9 +91,12 @@ const imports = (memory, hmesh) => ({
   hmesh,
 });
 
-// What hmesh.meshing.wasm lacks.
-const lacking = () => refuse('hmesh.meshing.wasm neither writes nor reads files, nor draws: hmesh.wasm does');
-const LACKING = { hmesh_write: lacking, hmesh_write_bare: lacking, hmesh_read: lacking, hmesh_render: lacking };
+// What some modules lack.
+const lacking = () => refuse('this module neither writes nor reads files, nor draws: hmesh.wasm does');
+const LACKING = {
+  hmesh_write: lacking, hmesh_write_bare: lacking, hmesh_read: lacking, hmesh_render: lacking,
+  hmesh_compact_image: () => refuse('this module knows no target in bytes: hmesh.compact.wasm does'),
+};
 
 // Whether a module is that of threads.
 export const hasThreads = (module) => WebAssembly.Module.exports(module).some(({ name }) => name === 'hmesh_help');
@@ -131,7 +136,7 @@ export class Hmesh {
   meshImage(image, options = {}) {
     image = checkImage(image);
     const { onProgress, onMesh } = options ?? {};
-    const { effort, seed, premultiplied, weights, ...target } = checkOptions(options, image);
+    const { effort, seed, premultiplied, bare, weights, ...target } = checkOptions(options, image);
     const { data, width, height } = image, isOpaque = image.channels === 3 || isAllOpaque(data);
     const channels = isOpaque ? 3 : 4, [[kind, value]] = Object.entries(target);
     return this.#run((wasm) => {
@@ -139,13 +144,15 @@ export class Hmesh {
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
       const weightsAt = weights ? this.#put(weights) : 0;
       const watch = this.#watch = { onProgress, onMesh, shown: 0 };
-      const answer = this.#read(wasm.hmesh_mesh_image(at, width, height, channels, premultiplied && !isOpaque, TARGETS.indexOf(kind),
-        value, EFFORTS.indexOf(effort), seed, weightsAt));
+      const given = [at, width, height, channels, premultiplied && !isOpaque], recipe = [value, EFFORTS.indexOf(effort), seed];
+      const answer = this.#read(kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
+        : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt));
       wasm.hmesh_release(at);
       if (weightsAt) wasm.hmesh_release(weightsAt);
       if (watch.thrown) throw watch.thrown[0];
       if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
-      return this.#mesh(answer, answer.code === 0);
+      const mesh = this.#mesh(answer, answer.code === 0);
+      return kind === 'bytes' ? { ...mesh, file: this.#bytes(answer.bytes, answer.size).slice() } : mesh;
     });
   }
 
@@ -184,8 +191,8 @@ export class Hmesh {
   }
 
   render(mesh, { width = mesh?.width, height = mesh?.height } = {}) {
-    pixels("the picture's width", width);
-    pixels("the picture's height", height);
+    checkPixels("the picture's width", width);
+    checkPixels("the picture's height", height);
     return this.#run((wasm) => {
       this.#hold(mesh);
       const answer = this.#read(wasm.hmesh_render(width, height));
@@ -284,9 +291,9 @@ export class Hmesh {
     for (const [array, type, name] of [[positions, 'Float32Array', 'positions'], [colors, 'Uint8Array', 'colors'],
       [indices, 'Uint32Array', 'indices']])
       if (!isTyped(array, type)) refuse(`the mesh's ${name} are no ${type}`);
-    pixels("the mesh's width", width);
-    pixels("the mesh's height", height);
-    if (channels !== 3 && channels !== 4) refuse(`the mesh must have 3 or 4 channels: ${String(channels)}`);
+    checkPixels("the mesh's width", width);
+    checkPixels("the mesh's height", height);
+    checkChannels('the mesh', channels);
     const vertices = positions.length / 2, faces = indices.length / 3;
     if (colors.length !== channels * vertices || !Number.isInteger(faces))
       refuse(`the mesh has ${positions.length} coordinates, ${colors.length} numbers of colours of ${channels} channels and `

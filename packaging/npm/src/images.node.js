@@ -3,11 +3,10 @@
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { pathToFileURL } from 'node:url';
+import { SIDE } from './encoder.js';
 import { readJpeg } from './jpeg.js';
 import { readPng } from './png.js';
 import { shrink } from './resample.js';
-
-const SIDE = 128;  // px, of the longer side at most
 
 // The sharp of the project that the command is run in.
 async function readBySharp(bytes, kind) {

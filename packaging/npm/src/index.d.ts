@@ -44,6 +44,8 @@ export class Mesher {
 export interface Setup {
   /** hmesh.wasm, where the package's files do not stay together. Of a page that is cross-origin isolated, hmesh.threads.wasm will do too. */
   wasm?: Source | Promise<Source>;
+  /** hmesh.compact.wasm, likewise, which is read when the first target in bytes is asked for. */
+  compactWasm?: Source | Promise<Source>;
   /** Starts a worker that runs `hmesh/worker`: for bundlers that leave `new URL('./worker.js', import.meta.url)` as it is. */
   worker?: () => unknown;
   /** How many threads mesh an image above 65,536 pixels, 1 to 64: by default as many as the processor runs at once, 8 at most. Only in node

@@ -1,5 +1,5 @@
 // hmesh in browsers.
-import { compileHmesh } from './core.js';
+import { compileCompact, compileHmesh } from './core.js';
 import { bindTo } from './mesher.js';
 
 export { HmeshError } from './engine.js';
@@ -21,4 +21,4 @@ const compile = (source, canShare) =>
   compileHmesh(source ?? (canShare ? new URL('./hmesh.threads.wasm', import.meta.url) : undefined));
 const threads = () => navigator.hardwareConcurrency;
 
-export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn, threads });
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, compileCompact, spawn, threads });

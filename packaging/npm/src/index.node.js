@@ -1,7 +1,7 @@
 // hmesh in node and deno.
 import * as os from 'node:os';
 import { Worker } from 'node:worker_threads';
-import { compileHmesh } from './core.node.js';
+import { compileCompact, compileHmesh } from './core.node.js';
 import { bindTo } from './mesher.js';
 
 export { HmeshError } from './engine.js';
@@ -24,4 +24,4 @@ const compile = (source, canShare) =>
   compileHmesh(source ?? (canShare ? new URL('./hmesh.threads.wasm', import.meta.url) : undefined));
 const threads = () => os.availableParallelism?.() ?? os.cpus().length;
 
-export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, spawn, threads });
+export const { init, Mesher, meshImage } = /* @__PURE__ */ bindTo({ compile, compileCompact, spawn, threads });

@@ -17,6 +17,12 @@ function sharedMemory(most) {
     }
 }
 
+async function last(values) {
+  let value;
+  for await (value of values);
+  return value;
+}
+
 class WorkerMesher {
   #platform; #image; #mesh; #worker;
   #crew;  // where the worker's memory is shared: {module, memory, stacks} until its helpers are started, and these
@@ -29,20 +35,16 @@ class WorkerMesher {
 
   setImage(image) { this.#image = checkImage(image); }
 
-  async meshImage(options) {
-    let last;
-    for await (const mesh of this.#meshes(options, false)) last = mesh;
-    return last;
-  }
+  meshImage(options) { return last(this.#meshes(options, false)); }
 
   refine(options) { return this.#meshes(options, true); }
 
-  write(format, { mesh = this.#mesh, signal, ...options } = {}) { return this.#result({ write: format, mesh, options }, signal); }
+  write(format, { mesh = this.#mesh, signal, ...options } = {}) { return last(this.#answers({ write: format, mesh, options }, signal)); }
 
-  render({ mesh = this.#mesh, signal, ...options } = {}) { return this.#result({ render: true, mesh, options }, signal); }
+  render({ mesh = this.#mesh, signal, ...options } = {}) { return last(this.#answers({ render: true, mesh, options }, signal)); }
 
   async read(bytes, { signal } = {}) {
-    this.#mesh = await this.#result({ read: bytes }, signal);
+    this.#mesh = await last(this.#answers({ read: bytes }, signal));
     return this.#mesh;
   }
 
@@ -54,15 +56,20 @@ class WorkerMesher {
   async* #meshes(given, refine) {
     const { signal, onProgress } = given ?? {}, image = this.#image;
     if (!image) throw new HmeshError('the Mesher has no image: call setImage()');
-    const options = checkOptions(given, image), meshes = [];
+    yield* this.#answers({ options: checkOptions(given, image), refine }, signal, image, onProgress);
+  }
+
+  // What a worker makes of a message, one after another.
+  async* #answers(message, signal, image, onProgress) {
+    const answers = [];
     let isDone = false, failure, wake = () => {};
-    const job = {
-      message: { options, refine },
+    const stop = this.#begin({
+      message,
       image,
-      hear: ({ progress, mesh }) => {
+      hear: ({ progress, mesh, result }) => {
         if (progress) return onProgress?.(progress);
-        this.#mesh = mesh;
-        meshes.push(mesh);
+        this.#mesh = mesh ?? this.#mesh;
+        answers.push(mesh ?? result);
         wake();
       },
       end: (error) => {
@@ -70,30 +77,16 @@ class WorkerMesher {
         failure = error;
         wake();
       },
-    };
-    const stop = this.#begin(job, signal);
+    }, signal);
     try {
       while (true) {
-        while (meshes.length > 0 && !failure) yield meshes.shift();
+        while (answers.length > 0 && !failure) yield answers.shift();
         if (failure) throw failure;
         if (isDone) return;
         await new Promise((resolve) => { wake = resolve; });
       }
     } finally {
       stop();  // who leaves the loop wants no more of it
-    }
-  }
-
-  async #result(message, signal) {
-    let stop = () => {};
-    try {
-      return await new Promise((resolve, reject) => {
-        let result;
-        const hear = (answer) => { result = answer.result; };
-        stop = this.#begin({ message, hear, end: (error) => (error ? reject(error) : resolve(result)) }, signal);
-      });
-    } finally {
-      stop();
     }
   }
 
@@ -128,8 +121,9 @@ class WorkerMesher {
     const [job] = this.#jobs;
     if (!job) return this.#worker?.hold(false);
     try {
-      const module = await this.#platform.module();
+      const module = await this.#platform.module(job.image && job.message.options.bytes !== undefined);
       if (this.#jobs[0] !== job) return;
+      if (this.#crew?.module !== module) this.#end();  // it has another one
       this.#worker ??= this.#start(module);
       this.#worker.hold(true);
       if (job.image?.width * job.image?.height > SMALL) this.#hire();
@@ -194,31 +188,40 @@ class WorkerMesher {
   }
 }
 
-// platform: compile(source, canShare), a promise of the module; threads(), how many run at once; spawn(worker), a worker as an object of post(message), listen(onMessage,
-// onError), end() and hold(isHeld), which says whether it keeps the process from ending.
-export function bindTo({ compile, spawn, threads: mostThreads }) {
-  let module, start, count, most = 2048;
-  const init = async ({ wasm, worker, threads, maximumMemory } = {}) => {
-    if (threads !== undefined) checkRange('threads', threads, 1, 64);
-    if (maximumMemory !== undefined) checkRange('maximumMemory', maximumMemory, 8, 2048);
-    most = maximumMemory ?? most;
-    start = worker ?? start;
-    count = threads ?? count;
-    if (wasm || !module) module = compile(wasm, canShare());
-    const begun = module;
-    await begun.catch((error) => {
-      if (module === begun) module = undefined;  // the next call tries again
+// A module that is compiled when it is first wanted, and again where that failed, as two functions: take() says where it comes from, if not from
+// the package; get() returns its promise.
+function kept(compile) {
+  let module, source;
+  const take = (given) => { if (given) [module, source] = [undefined, given]; };
+  const get = () => {
+    const begun = module ??= compile(source);
+    return begun.catch((error) => {
+      if (module === begun) module = source = undefined;
       throw error;
     });
+  };
+  return [take, get];
+}
+
+// platform: compile(source, canShare), a promise of the module; compileCompact(source), of the one for targets in bytes; threads(), how many run
+// at once; spawn(worker), a worker as an object of post(message), listen(onMessage, onError), end() and hold(isHeld), which says whether it
+// keeps the process from ending.
+export function bindTo({ compile, compileCompact, spawn, threads: mostThreads }) {
+  const [takePlain, plain] = kept((source) => compile(source, canShare())), [takeCompact, compact] = kept(compileCompact);
+  let start, count, most = 2048;
+  const init = async ({ wasm, compactWasm, worker = start, threads = count, maximumMemory = most } = {}) => {
+    if (threads !== undefined) checkRange('threads', threads, 1, 64);
+    checkRange('maximumMemory', maximumMemory, 8, 2048);
+    [start, count, most] = [worker, threads, maximumMemory];
+    takePlain(wasm);
+    takeCompact(compactWasm);
+    await plain();
   };
   const platform = {
     spawn: () => spawn(start),
     maximumMemory: () => most,
     threads: () => Math.floor(count ?? Math.min(8, mostThreads())),
-    async module() {
-      await init();
-      return module;
-    },
+    module: (isForBytes) => (isForBytes ? compact : plain)(),
   };
   class Mesher extends WorkerMesher {
     constructor() { super(platform); }
