@@ -4,8 +4,10 @@ import numpy as np
 
 version: str
 max_channels: int
+max_compact_channels: int
 
 def mesh_image(array: np.ndarray, options: dict[str, Any], /) -> dict[str, Any]: ...
+def compact_image(array: np.ndarray, options: dict[str, Any], /) -> dict[str, Any]: ...
 def mesh_terrain(array: np.ndarray, options: dict[str, Any], /) -> dict[str, Any]: ...
 def render(
     mesh: dict[str, Any], width: Optional[int], height: Optional[int], linear: bool, threads: int, /

@@ -1,5 +1,5 @@
-// Python module - mesh_image() by sample type and number of channels, each number compiled in a file of its own that setup.py
-// writes, so that compilers work side by side.
+// Python module - mesh_image() and compact_image() by sample type and number of channels, each number compiled in a file of its
+// own that setup.py writes, so that compilers work side by side.
 #ifndef HMESH_PYTHON_MESHING_HPP
 #define HMESH_PYTHON_MESHING_HPP
 
@@ -11,6 +11,7 @@
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/bounded/options.hpp"
 #include "hmesh/options.hpp"
+#include "hmesh/rate/compact_image.hpp"
 #include "hmesh/render.hpp"
 #include "hmesh/result.hpp"
 
@@ -45,6 +46,11 @@ template <int C, class Body>
 template <int C>
 [[nodiscard]] hmesh::Result mesh_channels(const Pixels& pixels, const hmesh::Options& options, const hmesh::Annealed& recipe,
                                           const hmesh::ParallelFor& parallel_for);
+
+// compact_image(), of up to 4 channels.
+template <int C>
+[[nodiscard]] hmesh::CompactImage compact_channels(const Pixels& pixels, const hmesh::CompactImageOptions& options,
+                                                   const hmesh::Annealed& recipe, const hmesh::ParallelFor& parallel_for);
 
 // mesh_image() by Bounded, of one channel.
 [[nodiscard]] hmesh::Result mesh_heights(const Pixels& pixels, const hmesh::Options& options, const hmesh::Bounded& recipe,

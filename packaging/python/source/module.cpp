@@ -263,20 +263,31 @@ template <int... before>
 }
 constexpr int max_channels = HMESH_PYTHON_MAX_CHANNELS;
 
-// Runs a call without the interpreter's lock, with so many threads and a callback.
+// compact_channels() likewise.
+template <int... before>
+[[nodiscard]] hmesh::CompactImage compact_any(std::integer_sequence<int, before...>, const HeldImage& image,
+                                              const hmesh::CompactImageOptions& options, const hmesh::Annealed& recipe,
+                                              const hmesh::ParallelFor& parallel_for) {
+    using Call = hmesh::CompactImage (*)(const Pixels&, const hmesh::CompactImageOptions&, const hmesh::Annealed&,
+                                         const hmesh::ParallelFor&);
+    constexpr Call calls[] = {&compact_channels<before + 1>...};
+    return calls[image.channels - 1](image.pixels, options, recipe, parallel_for);
+}
+constexpr int max_compact_channels = std::min(4, max_channels);
+
+// What a call gives that runs without the interpreter's lock, with so many threads and a callback.
 template <class Call>
-[[nodiscard]] py::dict run(const py::dict& with, hmesh::Options& options, Call&& call) {
+[[nodiscard]] auto run(const py::dict& with, hmesh::Progress& progress, Call&& call) {
     Listener listener(with["progress"]);
-    options.progress = hmesh::Progress(listener);
+    progress = hmesh::Progress(listener);
     const auto threads = get<unsigned>(with, "threads");
-    hmesh::Result result;
-    {
+    auto result = [&] {
         const py::gil_scoped_release free;
         const example::ThreadPool pool(threads);
-        result = call(pool);
-    }
+        return call(pool);
+    }();
     listener.finish();
-    return dict_of(std::move(result));
+    return result;
 }
 
 py::dict mesh_image(const py::array& array, const py::dict& with) {
@@ -292,9 +303,28 @@ py::dict mesh_image(const py::array& array, const py::dict& with) {
         start = HeldMesh(from.cast<py::dict>()).copy();
         recipe.start = &start;
     }
-    return run(with, held.options, [&](const hmesh::ParallelFor& parallel_for) {
+    return dict_of(run(with, held.options.progress, [&](const hmesh::ParallelFor& parallel_for) {
         return mesh_any(std::make_integer_sequence<int, max_channels>(), image, held.options, recipe, parallel_for);
+    }));
+}
+
+py::dict compact_image(const py::array& array, const py::dict& with) {
+    const HeldImage image(array);
+    hmesh::CompactImageOptions options;
+    options.bytes = get<std::size_t>(with, "bytes");
+    options.table = get<bool>(with, "table") ? &hmesh::compact_photographs : nullptr;
+    options.premultiplied = get<bool>(with, "premultiplied");
+    hmesh::Annealed recipe;
+    recipe.effort = static_cast<hmesh::Effort>(get<int>(with, "effort"));
+    recipe.seed = get<std::uint64_t>(with, "seed");
+    hmesh::CompactImage made = run(with, options.progress, [&](const hmesh::ParallelFor& parallel_for) {
+        return compact_any(std::make_integer_sequence<int, max_compact_channels>(), image, options, recipe, parallel_for);
     });
+    if (!made.status) raise(made.status);
+    py::dict out = dict_of(std::move(made.mesh));
+    out["data"] = py::bytes(reinterpret_cast<const char*>(made.bytes.data()), made.bytes.size());
+    out["psnr"] = made.psnr;
+    return out;
 }
 
 py::dict mesh_terrain(const py::array& array, const py::dict& with) {
@@ -304,9 +334,9 @@ py::dict mesh_terrain(const py::array& array, const py::dict& with) {
     recipe.max_error = get<double>(with, "max_error");
     recipe.effort = static_cast<hmesh::Bounded::Effort>(get<int>(with, "effort"));
     recipe.free_borders = get<bool>(with, "free_borders");
-    return run(with, held.options, [&](const hmesh::ParallelFor& parallel_for) {
+    return dict_of(run(with, held.options.progress, [&](const hmesh::ParallelFor& parallel_for) {
         return mesh_heights(image.pixels, held.options, recipe, parallel_for);
-    });
+    }));
 }
 
 // --- drawing and files ---
@@ -437,7 +467,9 @@ py::dict read_compact(const py::bytes& from, std::int64_t max_vertices, std::int
 PYBIND11_MODULE(_core, module) {
     module.attr("version") = HMESH_VERSION_STRING;
     module.attr("max_channels") = python::max_channels;
+    module.attr("max_compact_channels") = python::max_compact_channels;
     module.def("mesh_image", &python::mesh_image);
+    module.def("compact_image", &python::compact_image);
     module.def("mesh_terrain", &python::mesh_terrain);
     module.def("render", &python::render);
     module.def("write", &python::write);

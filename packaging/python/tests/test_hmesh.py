@@ -113,6 +113,10 @@ def test_the_bytes_are_those_of_the_command(tmp_path):
             out = tmp_path / "mesh.ply"
             subprocess.run([command, "--quiet", name, "-o", out, *arguments], check=True)
             assert hmesh.mesh_image(image, **options).tobytes("ply") == out.read_bytes()
+        for arguments, options in (([], {}), (["--no-table"], {"table": False})):
+            out = tmp_path / "mesh.hmc"
+            subprocess.run([command, "--quiet", name, "-o", out, "--bytes", "900", "--effort", "fast", *arguments], check=True)
+            assert hmesh.compact_image(image, 900, effort="fast", **options).data == out.read_bytes()
 
 
 @pytest.mark.parametrize(
@@ -370,6 +374,36 @@ def test_compact_files_come_back():
             hmesh.read(bad)
     with pytest.raises(ValueError, match="vertices"):
         hmesh.read(data, max_vertices=10)
+
+
+@pytest.mark.parametrize("channels", range(1, min(4, hmesh.max_channels) + 1))
+def test_an_image_in_so_many_bytes(channels):
+    image = picture(channels=channels)
+    file = hmesh.compact_image(image, 900, effort="fast")
+    assert 882 <= len(file.data) <= 900
+    assert same(hmesh.read(file.data), file.mesh) and file.mesh.channels == channels
+    drawn = file.mesh.render(dtype=np.uint8).astype(np.float64)
+    assert file.psnr == pytest.approx(10 * math.log10(255**2 / np.mean((drawn - image) ** 2)), abs=1e-9)
+    assert hmesh.compact_image(image, bytes=900, effort="fast", threads=3).data == file.data
+    assert hmesh.compact_image(image, 900, effort="fast", table=False).data != file.data
+    wide = hmesh.compact_image(image.astype(np.uint16) * 257, 900, effort="draft")
+    assert wide.data == hmesh.compact_image(image, 900, effort="draft").data
+
+
+def test_bytes_that_cannot_be():
+    image = picture()
+    with pytest.raises(ValueError, match="even of 4 vertices"):
+        hmesh.compact_image(image, 20)
+    for bad in (0, -1, 2.5, True, "300"):
+        with pytest.raises(ValueError, match="bytes must be a whole number"):
+            hmesh.compact_image(image, bad)
+    with pytest.raises(ValueError, match="1 to 4 channels"):
+        hmesh.compact_image(np.zeros((8, 8, 5), np.uint8), 300)
+    with pytest.raises(ValueError, match="cancel"):
+        hmesh.compact_image(image, 300, progress=lambda progress: False)
+    totals = []
+    hmesh.compact_image(image, 300, effort="draft", progress=lambda progress: totals.append(progress.total))
+    assert totals == sorted(totals) and totals[-1] == 1
 
 
 def test_terrain_keeps_its_bound():
