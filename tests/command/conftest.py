@@ -70,7 +70,8 @@ def pictures(tmp_path_factory, pytestconfig):
     contents = {"one.pgm": b"P5 1 1 255\nA", "row.pgm": b"P5 5 1 255\nA0a9Z", "short.ppm": b"P6\n20 16\n255\nshort",
                 "huge.pgm": b"P5 99999999 99999999 255\nx", "above.pgm": b"P5 2 2 100\ndded", "empty.png": b"",
                 "text.png": b"this is no image\n", "keep.ply": b"old\n",
-                "black.pgm": b"P5 20 16 255\n" + bytes(320)}
+                "black.pgm": b"P5 20 16 255\n" + bytes(320), "mesh.hmc": b"\x9dHMC" + bytes(20),
+                "nan.pfm": b"Pf 20 16 -1\n" + struct.pack("<320f", *[float("nan") if k == 25 else 1 for k in range(320)])}
     for name, content in contents.items():
         (folder / name).write_bytes(content)
     return folder

@@ -24,6 +24,9 @@ FAILURES = rows("""
     'text.png'                                        | grey.pgm --weights text.png -o keep.ply
     'constant.pgm' are 8 x 8 px, the image is 20 x 16 px | grey.pgm --weights constant.pgm -o keep.ply --depfile new.d
     'black.pgm' are all zero                          | grey.pgm --weights black.pgm -o keep.ply
+    'nan.pfm' have a sample that is NaN or infinite, in row 14 | grey.pgm --weights nan.pfm -o keep.ply
+    'nan.pfm' has a sample that is NaN or infinite, in row 14 | grey.pgm --with nan.pfm -o keep.ply
+    'mesh.hmc': it is a mesh, and no image            | grey.pgm --weights mesh.hmc -o keep.ply
     --vertices 3                                      | grey.pgm -o keep.ply --vertices 3
     (3, limit 4)                                      | grey.pgm -o keep.ply --vertices 3
     --vertices -5                                     | grey.pgm -o keep.ply --vertices -5
@@ -42,6 +45,11 @@ def test_a_failure_is_told_in_one_sentence_and_writes_nothing(hmesh, sentence, a
     before = contents()
     hmesh.fails(sentence, arguments)
     assert contents() == before
+
+
+@pytest.mark.skipif(not Path("/dev/zero").is_char_device(), reason="there is no /dev/zero")
+def test_what_is_no_image_is_refused_before_its_end(hmesh):
+    hmesh.fails("'/dev/zero': it is in no format", "/dev/zero -o new.ply", **limit(resource.RLIMIT_AS, 1 << 30))
 
 
 def test_a_folder_is_not_written(hmesh):

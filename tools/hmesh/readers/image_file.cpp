@@ -1,7 +1,9 @@
 #include "readers/image_file.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <climits>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -26,9 +28,10 @@ std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
     return std::fseek(file, here, SEEK_SET) == 0 ? directory : std::vector<unsigned char>();
 }
 
-// Whether the picture that begins so is too large, which is known long before the file is read. Of the standard input nobody
-// knows where it began, so that no place in it can be looked up.
+// Whether the picture that begins so is too large or none, which is known long before the file is read, if that ends at all. Of the
+// standard input nobody knows where it began, so that no place in it can be looked up.
 std::string check_early(std::FILE* file, Bytes beginning) {
+    if (kind_of(beginning) == FileKind::unknown && !is_mesh(beginning) && beginning.size >= first_read) return not_known;
     if (kind_of(beginning) != FileKind::tiff || beginning.size < first_read) return check_beginning(beginning);
     if (file == stdin) return {};
     const std::vector<unsigned char> directory = read_directory(file, beginning);
@@ -74,6 +77,13 @@ std::string read_image(const std::string& path, ImageFile& image, std::vector<un
 std::string read_image(const std::string& path, ImageFile& image) {
     std::vector<unsigned char> bytes;
     return read_image(path, image, bytes);
+}
+
+std::string find_not_finite(const ImageFile& image) {
+    const auto& samples = image.samples32;
+    const auto found = std::find_if(samples.begin(), samples.end(), [](float sample) { return !std::isfinite(sample); });
+    if (found == samples.end()) return {};
+    return "a sample that is NaN or infinite, in row " + std::to_string((found - samples.begin()) / image.channels / image.width);
 }
 
 std::string formats_read() {

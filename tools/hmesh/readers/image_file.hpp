@@ -39,6 +39,9 @@ struct ImageFile {
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image, std::vector<unsigned char>& bytes);
 [[nodiscard]] std::string read_image(const std::string& path, ImageFile& image);
 
+// What an image has that is no number: "a sample that is NaN or infinite, in row 3"; empty: nothing.
+[[nodiscard]] std::string find_not_finite(const ImageFile& image);
+
 // The formats that this build reads: "PNG, JPEG, ...".
 [[nodiscard]] std::string formats_read();
 // What it reads them with: lines of "  PNG: libpng 1.6.39".

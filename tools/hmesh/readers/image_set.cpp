@@ -42,6 +42,7 @@ std::string join_images(const std::vector<ImageFile>& images, const std::vector<
         if (image.width != first.width || image.height != first.height)
             return input_words(names[0]) + " has " + size_words(first) + " and " + input_words(names[i]) + " has " +
                    size_words(image) + ": images of one mesh must have one size";
+        if (const std::string what = find_not_finite(image); !what.empty()) return input_words(names[i]) + " has " + what;
         joined.channels += image.channels;
         joined.bits = std::max(joined.bits, image.bits);
     }

@@ -192,7 +192,7 @@ std::string read_bytes_as_image(Bytes file, ImageFile& image) {
         case FileKind::gif: return read_gif(file, image);
         case FileKind::psd: return read_psd(file, image);
     }
-    return "it is in no format that hmesh reads, which --help lists";
+    return is_mesh(file) ? "it is a mesh, and no image" : not_known;
 }
 
 }  // namespace tool

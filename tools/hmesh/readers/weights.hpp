@@ -46,6 +46,8 @@ void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<floa
     if (file.width != width || file.height != height)
         return "the weights " + input_words(path) + " are " + std::to_string(file.width) + " x " + std::to_string(file.height) +
                " px, the image is " + std::to_string(width) + " x " + std::to_string(height) + " px";
+    if (const std::string what = find_not_finite(file); !what.empty())
+        return "the weights " + input_words(path) + " have " + what;
     weights = to_weights(file);
     const float* const first = weights.data();
     if (std::all_of(first, first + weights.size(), [](float weight) { return weight == 0; }))
