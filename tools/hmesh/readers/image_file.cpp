@@ -28,8 +28,8 @@ std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
     return std::fseek(file, here, SEEK_SET) == 0 ? directory : std::vector<unsigned char>();
 }
 
-// Whether the picture that begins so is too large or none, which is known long before the file is read, if that ends at all. Of the
-// standard input nobody knows where it began, so that no place in it can be looked up.
+// Whether the picture that begins so is too large or none, which is known long before the file is read. Of the standard input
+// nobody knows where it began, so that no place in it can be looked up.
 std::string check_early(std::FILE* file, Bytes beginning) {
     if (kind_of(beginning) == FileKind::unknown && !is_mesh(beginning) && beginning.size >= first_read) return not_known;
     if (kind_of(beginning) != FileKind::tiff || beginning.size < first_read) return check_beginning(beginning);
