@@ -190,6 +190,10 @@ test('encode() fills the bytes and does not pass them, and what it keeps looks l
   assert.deepEqual(encode(encoder, image, { bytes: 100 }), encode(encoder, image, { bytes: 100 }));
   for (const [width, height] of [[1, 1], [1, 90], [3000, 2]]) assert.ok(decode(encode(encoder, picture(width, height), { bytes: 48 })));
   assert.equal(decode(encode(encoder, picture(90, 60, { alpha: true }))).channels, 4);
+  // Of a pattern 2000 bytes hold more vertices than a placeholder may have.
+  const pattern = { data: new Uint8ClampedArray(4 * 64 * 64).map((_, i) => (i % 4 > 2 || (i >> 3) + (i >> 9) & 1 ? 255 : 0)), width: 64, height: 64 };
+  assert.ok(encoder.meshImage(pattern, { bytes: 2000, bare: true, effort: 'draft' }).vertices > MOST_POINTS);
+  assert.ok(decode(encode(encoder, pattern, { bytes: 2000, effort: 'draft' })).vertices > 0.8 * MOST_POINTS);
   for (const bytes of [47, 2001, NaN, '']) assert.throws(() => encode(encoder, image, { bytes }), { name: 'HmeshError' });
   assert.throws(() => encode(hmesh, image), /hmesh\.compact\.wasm/);
 });

@@ -1,4 +1,5 @@
 // hmesh/placeholder/encoder: the bytes of a placeholder from an image.
+import { MOST_POINTS } from './bare.js';
 import { checkRange } from './engine.js';
 import { shrink } from './resample.js';
 
@@ -8,7 +9,12 @@ export const SIDE = 256;
 // The placeholder of an image, RGBA with alpha straight, of so many bytes at most. `hmesh` is one of compileCompact()'s module.
 export function encode(hmesh, image, { bytes = 200, effort } = {}) {
   checkRange('bytes', bytes, 48, 2000);
-  return hmesh.meshImage(shrink(image, SIDE), { bytes, bare: true, premultiplied: true, effort }).file;
+  const small = shrink(image, SIDE);
+  for (let most = bytes; ;) {
+    const { file, vertices } = hmesh.meshImage(small, { bytes: most, bare: true, premultiplied: true, effort });
+    if (vertices <= MOST_POINTS) return file;
+    most = Math.floor(0.95 * most * MOST_POINTS / vertices);  // vertices of patterns take few bits
+  }
 }
 
 // base64url, as data-mesh has it.
