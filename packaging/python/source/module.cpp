@@ -18,6 +18,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -253,27 +254,32 @@ struct HeldOptions {
     }
 };
 
-// mesh_channels() of as many channels as the image has.
-template <int... before>
-[[nodiscard]] hmesh::Result mesh_any(std::integer_sequence<int, before...>, const HeldImage& image, const hmesh::Options& options,
-                                     const hmesh::Annealed& recipe, const hmesh::ParallelFor& parallel_for) {
-    using Call = hmesh::Result (*)(const Pixels&, const hmesh::Options&, const hmesh::Annealed&, const hmesh::ParallelFor&);
-    constexpr Call calls[] = {&mesh_channels<before + 1>...};
-    return calls[image.channels - 1](image.pixels, options, recipe, parallel_for);
-}
 constexpr int max_channels = HMESH_PYTHON_MAX_CHANNELS;
-
-// compact_channels() likewise.
-template <int... before>
-[[nodiscard]] hmesh::CompactImage compact_any(std::integer_sequence<int, before...>, const HeldImage& image,
-                                              const hmesh::CompactImageOptions& options, const hmesh::Annealed& recipe,
-                                              const hmesh::ParallelFor& parallel_for) {
-    using Call = hmesh::CompactImage (*)(const Pixels&, const hmesh::CompactImageOptions&, const hmesh::Annealed&,
-                                         const hmesh::ParallelFor&);
-    constexpr Call calls[] = {&compact_channels<before + 1>...};
-    return calls[image.channels - 1](image.pixels, options, recipe, parallel_for);
-}
 constexpr int max_compact_channels = std::min(4, max_channels);
+
+template <int C, class Body>
+[[nodiscard]] auto call_with(Body& body) {
+    return body(std::integral_constant<int, C>());
+}
+template <int... before, class Body>
+[[nodiscard]] auto call_with_one_of(std::integer_sequence<int, before...>, int channels, Body& body) {
+    using Call = decltype(call_with<1>(body)) (*)(Body&);
+    constexpr Call calls[] = {&call_with<before + 1, Body>...};
+    return calls[channels - 1](body);
+}
+// What body() gives of a number of channels, 1 to `most`, as a constant.
+template <int most, class Body>
+[[nodiscard]] auto with_channels(int channels, Body&& body) {
+    return call_with_one_of(std::make_integer_sequence<int, most>(), channels, body);
+}
+
+// How much work goes into a mesh, and its random numbers.
+[[nodiscard]] hmesh::Annealed recipe_of(const py::dict& with) {
+    hmesh::Annealed recipe;
+    recipe.effort = static_cast<hmesh::Effort>(get<int>(with, "effort"));
+    recipe.seed = get<std::uint64_t>(with, "seed");
+    return recipe;
+}
 
 // What a call gives that runs without the interpreter's lock, with so many threads and a callback.
 template <class Call>
@@ -293,9 +299,7 @@ template <class Call>
 py::dict mesh_image(const py::array& array, const py::dict& with) {
     const HeldImage image(array);
     HeldOptions held(with);
-    hmesh::Annealed recipe;
-    recipe.effort = static_cast<hmesh::Effort>(get<int>(with, "effort"));
-    recipe.seed = get<std::uint64_t>(with, "seed");
+    hmesh::Annealed recipe = recipe_of(with);
     recipe.tile = get<int>(with, "tile");
     recipe.border_tolerance = get_optional<double>(with, "border_tolerance");
     hmesh::Mesh start;
@@ -304,7 +308,9 @@ py::dict mesh_image(const py::array& array, const py::dict& with) {
         recipe.start = &start;
     }
     return dict_of(run(with, held.options.progress, [&](const hmesh::ParallelFor& parallel_for) {
-        return mesh_any(std::make_integer_sequence<int, max_channels>(), image, held.options, recipe, parallel_for);
+        return with_channels<max_channels>(image.channels, [&](auto channels) {
+            return mesh_channels<channels.value>(image.pixels, held.options, recipe, parallel_for);
+        });
     }));
 }
 
@@ -314,11 +320,11 @@ py::dict compact_image(const py::array& array, const py::dict& with) {
     options.bytes = get<std::size_t>(with, "bytes");
     options.table = get<bool>(with, "table") ? &hmesh::compact_photographs : nullptr;
     options.premultiplied = get<bool>(with, "premultiplied");
-    hmesh::Annealed recipe;
-    recipe.effort = static_cast<hmesh::Effort>(get<int>(with, "effort"));
-    recipe.seed = get<std::uint64_t>(with, "seed");
+    const hmesh::Annealed recipe = recipe_of(with);
     hmesh::CompactImage made = run(with, options.progress, [&](const hmesh::ParallelFor& parallel_for) {
-        return compact_any(std::make_integer_sequence<int, max_compact_channels>(), image, options, recipe, parallel_for);
+        return with_channels<max_compact_channels>(image.channels, [&](auto channels) {
+            return compact_channels<channels.value>(image.pixels, options, recipe, parallel_for);
+        });
     });
     if (!made.status) raise(made.status);
     py::dict out = dict_of(std::move(made.mesh));
@@ -356,13 +362,6 @@ template <int C>
         {static_cast<py::ssize_t>(owner->height()), static_cast<py::ssize_t>(owner->width()), py::ssize_t{C}}, owner->view().data,
         capsule);
 }
-template <int... before>
-[[nodiscard]] py::array draw_any(std::integer_sequence<int, before...>, const hmesh::MeshView& mesh,
-                                 const hmesh::RenderOptions& options, unsigned threads) {
-    using Call = py::array (*)(const hmesh::MeshView&, const hmesh::RenderOptions&, unsigned);
-    constexpr Call calls[] = {&draw<before + 1>...};
-    return calls[mesh.channels - 1](mesh, options, threads);
-}
 
 py::array render(const py::dict& from, std::optional<int> width, std::optional<int> height, bool linear, unsigned threads) {
     const HeldMesh mesh(from);
@@ -371,7 +370,8 @@ py::array render(const py::dict& from, std::optional<int> width, std::optional<i
     options.height = height;
     if (linear) options.interpolation = hmesh::RenderOptions::Interpolation::linear;
     if (const hmesh::Status status = hmesh::check(mesh.view, 16); !status) raise(status);
-    return draw_any(std::make_integer_sequence<int, 16>(), mesh.view, options, threads);
+    return with_channels<16>(mesh.view.channels,
+                             [&](auto channels) -> py::array { return draw<channels.value>(mesh.view, options, threads); });
 }
 
 [[nodiscard]] hmesh::HeightOptions height_options(const py::dict& with) {
