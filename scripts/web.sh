@@ -24,18 +24,18 @@ package=build/web/npm
 # Debian's Emscripten finds the node packages that it is made of there alone.
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
-# compile NAME FLAG...: the binding, of one thread or of several. What meshes is compiled for speed, but for inlining that costs
+# compile NAME FLAG FILE...: files of the binding, of one thread or, by FLAG, of several. What meshes is compiled for speed, but for inlining that costs
 # 6 kB (brotli) and gains a hundredth; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
 # (1.15 of a draft in node 20): for the rest alone.
 compile() {
-    local name=$1 file level
-    shift
-    for file in meshing images files compact; do
+    local name=$1 flag=$2 file level
+    shift 2
+    for file; do
         case $file in
             meshing | compact) level=(-O2 -mllvm -inline-threshold=25) ;;
             *) level=(-Oz -mnontrapping-fptoint) ;;
         esac
-        emscripten "${level[@]}" -mbulk-memory "$@" -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude \
+        emscripten "${level[@]}" -mbulk-memory ${flag:+"$flag"} -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude \
             "${include_folders[@]}" -c "$source/binding/$file.cpp" -o "$objects/$name/$file.o" || return
     done
 }
@@ -55,8 +55,8 @@ link() {
 # Emscripten's own threads want its JavaScript (3.1.6 refuses them with STANDALONE_WASM). Ours share a memory with the libraries of
 # one thread, which the linker is told to allow: only operator new is called by several, and has a lock (binding/heap.hpp).
 build_modules() {
-    compile hmesh &
-    compile hmesh.threads -pthread && wait "$!" &&
+    compile hmesh "" meshing images files compact &
+    compile hmesh.threads -pthread meshing images files && wait "$!" &&
         link hmesh "$objects"/hmesh/{files,images,meshing}.o && link hmesh.meshing "$objects"/hmesh/{images,meshing}.o &&
         link hmesh.compact "$objects"/hmesh/{compact,images,meshing}.o &&
         link hmesh.threads "$objects"/hmesh.threads/{files,images,meshing}.o -matomics -mbulk-memory -Wl,--shared-memory,--no-check-features

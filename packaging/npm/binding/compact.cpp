@@ -3,19 +3,9 @@
 #include <cstdint>
 #include <utility>
 
+#include "calls.hpp"
 #include "hmesh/rate/compact_image.hpp"
 #include "module.hpp"
-#include "progress.hpp"
-
-namespace {
-
-template <int C>
-hmesh::CompactImage make(const std::uint8_t* pixels, int width, int height, const hmesh::CompactImageOptions& options,
-                         const hmesh::Annealed& recipe) {
-    return hmesh::compact_image(hmesh::ImageView<std::uint8_t, C>{pixels, width, height}, options, recipe);
-}
-
-}  // namespace
 
 // Makes a compact file of at most so many bytes of an image of 3 or 4 channels, or one of the bare profile, and its mesh.
 HMESH_EXPORT(hmesh_compact_image)
@@ -28,12 +18,10 @@ const void* hmesh_compact_image(const std::uint8_t* pixels, int width, int heigh
     options.premultiplied = premultiplied != 0;
     const auto progress = [](const hmesh::ProgressInfo& info) { return binding::tell(info) != 0; };
     options.progress = progress;
-    hmesh::Annealed recipe;
-    recipe.effort = static_cast<hmesh::Effort>(effort);
-    recipe.seed = static_cast<std::uint64_t>(seed);
+    const hmesh::Annealed recipe = binding::recipe_of(effort, seed);
     module.mesh = {};
-    hmesh::CompactImage made =
-        channels == 3 ? make<3>(pixels, width, height, options, recipe) : make<4>(pixels, width, height, options, recipe);
+    hmesh::CompactImage made = binding::with_view(pixels, width, height, channels,
+                                                  [&](const auto& view) { return hmesh::compact_image(view, options, recipe); });
     module.hold(std::move(made.mesh));
     module.psnr = made.psnr;
     module.bytes = std::move(made.bytes);

@@ -4,11 +4,11 @@
 #include <new>
 #include <utility>
 
+#include "calls.hpp"
 #include "hmesh/core/psnr.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "module.hpp"
-#include "progress.hpp"
 #ifdef __wasm_atomics__
 #include "crew.hpp"
 #include "heap.hpp"
@@ -31,12 +31,6 @@ const auto executor = [](std::size_t n, hmesh::Piece piece) {
 #else
 const hmesh::ParallelFor executor;
 #endif
-
-template <int C>
-hmesh::Result make(const std::uint8_t* pixels, int width, int height, const hmesh::Options& options,
-                   const hmesh::Annealed& recipe) {
-    return hmesh::mesh_image(hmesh::ImageView<std::uint8_t, C>{pixels, width, height}, options, recipe, executor);
-}
 
 }  // namespace
 
@@ -72,12 +66,10 @@ const void* hmesh_mesh_image(const std::uint8_t* pixels, int width, int height, 
         return answer != 0;
     };
     options.progress = progress;
-    hmesh::Annealed recipe;
-    recipe.effort = static_cast<hmesh::Effort>(effort);
-    recipe.seed = static_cast<std::uint64_t>(seed);
+    const hmesh::Annealed recipe = binding::recipe_of(effort, seed);
     module.mesh = {};
-    hmesh::Result result =
-        channels == 3 ? make<3>(pixels, width, height, options, recipe) : make<4>(pixels, width, height, options, recipe);
+    hmesh::Result result = binding::with_view(
+        pixels, width, height, channels, [&](const auto& view) { return hmesh::mesh_image(view, options, recipe, executor); });
     module.hold(std::move(result.mesh));
     module.psnr = result.report.psnr;
     return module.reply(result.status);
