@@ -231,7 +231,7 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     if (!arguments.out_of_core)  // else it is read as it is meshed
         if (const std::string why = read_file(arguments.input, inputs.bytes); !why.empty())
             return {"cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why)};
-    if (is_mesh_file(inputs.bytes)) return convert(arguments, is_one_of_several, inputs.bytes, watch);
+    if (is_mesh({inputs.bytes.data(), inputs.bytes.size()})) return convert(arguments, is_one_of_several, inputs.bytes, watch);
     if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
     const ImageFile& image = inputs.image;
     if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)

@@ -31,8 +31,10 @@ std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
 // Whether the picture that begins so is too large or none, which is known long before the file is read. Of the standard input
 // nobody knows where it began, so that no place in it can be looked up.
 std::string check_early(std::FILE* file, Bytes beginning) {
-    if (kind_of(beginning) == FileKind::unknown && !is_mesh(beginning) && beginning.size >= first_read) return not_known;
-    if (kind_of(beginning) != FileKind::tiff || beginning.size < first_read) return check_beginning(beginning);
+    const FileKind kind = kind_of(beginning);
+    const bool is_whole = beginning.size < first_read;
+    if (kind == FileKind::unknown && !is_mesh(beginning) && !is_whole) return not_known;
+    if (kind != FileKind::tiff || is_whole) return check_beginning(beginning);
     if (file == stdin) return {};
     const std::vector<unsigned char> directory = read_directory(file, beginning);
     return check_tiff_directory({directory.data(), directory.size()}, beginning.u8(0) == 'I');

@@ -1,15 +1,8 @@
 #include "results/mesh_file.hpp"
 
-#include <algorithm>
-
 #include "hmesh/io/compact/photographs.hpp"
 
 namespace tool {
-
-bool is_mesh_file(const std::vector<unsigned char>& bytes) {
-    const auto& magic = hmesh::detail::compact_magic;
-    return bytes.size() >= magic.size() && std::equal(magic.begin(), magic.end(), bytes.begin());
-}
 
 hmesh::CompactMesh read_mesh_file(const std::vector<unsigned char>& bytes) {
     hmesh::CompactLimits limits;

@@ -8,9 +8,6 @@
 
 namespace tool {
 
-// Whether these bytes begin as a compact file does.
-[[nodiscard]] bool is_mesh_file(const std::vector<unsigned char>& bytes);
-
 // The mesh of a compact file of up to 2^24 vertices, with or without the start table.
 [[nodiscard]] hmesh::CompactMesh read_mesh_file(const std::vector<unsigned char>& bytes);
 
