@@ -462,11 +462,17 @@ class Triangulation {
     Index free_ = none;
 };
 
+/// Twice the area of the triangle that an edge is a side of; beyond the border 0.
+[[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
+    const Triangulation::Index c = mesh.apex(e);
+    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+}
+
 }  // namespace hmesh::detail
 
 #endif  // HMESH_IO_COMPACT_TRIANGULATION_HPP
 
-// ---- hmesh/io/compact/color_choice.hpp
+// ---- hmesh/io/compact/colors/color_choice.hpp
 
 /// \file
 /// ColorChoice: which coarse colours a mesh is written with, for the least error and bits together.
@@ -474,8 +480,8 @@ class Triangulation {
 /// A mesh whose colours are the best for its image, but for an error of each vertex, is off by a square of these errors that
 /// triangles tell: of two vertices, an integral of both their linear functions. Of what one vertex is off those not yet
 /// written make good what they can, so what is wanted of them is kept at the best that those before them leave.
-#ifndef HMESH_IO_COMPACT_COLOR_CHOICE_HPP
-#define HMESH_IO_COMPACT_COLOR_CHOICE_HPP
+#ifndef HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
+#define HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -484,12 +490,6 @@ class Triangulation {
 #include <vector>
 
 namespace hmesh::detail {
-
-/// Twice the area of the triangle that an edge is a side of; beyond the border 0.
-[[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
-    const Triangulation::Index c = mesh.apex(e);
-    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
-}
 
 /// What is wanted of each plane of each vertex, as vertices are written one after the other.
 class ColorChoice {
@@ -564,7 +564,7 @@ class ColorChoice {
 
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_COMPACT_COLOR_CHOICE_HPP
+#endif  // HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
 
 // ---- hmesh/io/compact/mixer.hpp
 
@@ -695,6 +695,8 @@ class Mixer {
         }
         return value;
     }
+    /// The weights, in 2^-16: of each set, one for each context.
+    [[nodiscard]] std::vector<std::int32_t>& weights() noexcept { return weights_; }
 
   private:
     [[nodiscard]] static int held(std::int64_t s) noexcept {
@@ -715,7 +717,8 @@ class Mixer {
 /// CompactTable: what the contexts of a compact file begin with, where they would else know nothing.
 ///
 /// A small file ends before its contexts have learnt much. What they learn of other files can be told them at the start: the
-/// number of the table stands in the file, whose reader has to have it too. A table is a text, made by tools/compact_table.
+/// number of the table stands in the file, whose reader has to have it too. A table is a text, made by tools/compact_table; with
+/// its number goes how colours are foretold.
 #ifndef HMESH_IO_COMPACT_START_TABLE_HPP
 #define HMESH_IO_COMPACT_START_TABLE_HPP
 
@@ -725,24 +728,50 @@ class Mixer {
 
 namespace hmesh {
 
-/// A start table. hmesh/io/compact/photographs.hpp has the one that there is.
+namespace detail {
+
+struct CompactHead;
+struct CompactBody;
+class ArithmeticCoder;
+
+/// The tables of contexts of a coder, and the weights of its mixer.
+struct Learnt {
+    std::vector<std::vector<AdaptiveBit>*> contexts;
+    std::vector<std::int32_t>* weights;
+};
+
+}  // namespace detail
+
+/// A start table. hmesh/io/compact/photographs.hpp has those that there are.
 struct CompactTable {
-    int number = 0;         ///< which one it is, in [1, 6], for files
-    const char* text = "";  ///< contexts and their probabilities, as docs/compact.md says; ends with a 0
+    /// Writes or reads a body as files with the table have it: code_body() of some kind.
+    using Code = Status(detail::ArithmeticCoder& coder, const detail::CompactHead& head, detail::CompactBody& body,
+                        std::size_t most_points, const CompactTable* table, FunctionRef<void(const detail::Learnt&)> hear);
+
+    int number;                           ///< which one it is, in [1, 6], for files
+    Code* code;                           ///< how files with it are coded
+    const char* contexts = "";            ///< contexts and their probabilities, as docs/compact.md says; ends with a 0
+    const char* weights = "";             ///< weights of mixed bits, likewise; may be empty
+    const CompactTable* older = nullptr;  ///< another one, whose files are read too where this one is given
+
+    /// That one of these of which a file has the number, or null.
+    [[nodiscard]] const CompactTable* find(int wanted) const noexcept {
+        const CompactTable* table = this;
+        while (table != nullptr && table->number != wanted) table = table->older;
+        return table;
+    }
 };
 
 namespace detail {
 
-/// The tables of contexts of a coder.
-using ContextTables = std::vector<std::vector<AdaptiveBit>*>;
-
 /// The text of a table: symbols 0 to 89 as the characters from # to ~ but for ? and the backslash, so that it needs no escapes.
 /// Contexts are counted through; of each that the table has, symbols say how many are passed over since the one before: the
 /// digits of that in base 45, the highest first, with 45 added to all but the last. One more says its probability, in 4ths of the
-/// logarithm's unit, with 44 added.
+/// logarithm's unit, with 44 added. Of the weights all are told, one symbol each: in 64ths, with 24 added.
 struct TableText {
     static constexpr int base = 45;    ///< half of the symbols
     static constexpr int middle = 44;  ///< the symbol of the probability 1/2
+    static constexpr int none = 24;    ///< the symbol of the weight 0
 
     /// The character of a symbol.
     [[nodiscard]] static constexpr char character(int symbol) noexcept {
@@ -756,15 +785,42 @@ struct TableText {
     }
 };
 
-/// Gives contexts what a table says of them, one coder after the other in the order of the file.
+/// What is called with what a coder knows when all is coded.
+using HearLearnt = FunctionRef<void(const Learnt&)>;
+
+/// Of files without a table: coders begin with nothing, and nobody hears what they learn.
+struct EmptyStart {
+    EmptyStart(const CompactTable* /*table*/, HearLearnt /*hear*/) noexcept {}  ///< as StartTable
+    template <class Coder>
+    void begin(Coder& /*coder*/) noexcept {}  ///< as StartTable
+    template <class Coder>
+    void end(Coder& /*coder*/) const noexcept {}  ///< as StartTable
+};
+
+/// Gives contexts and weights what a table says of them, one coder after the other in the order of the file.
 class StartTable {
   public:
-    /// Of a table that outlives it; null: all begin with nothing.
-    explicit StartTable(const CompactTable* table) noexcept : at_(table == nullptr ? "" : table->text) { find_next(); }
+    /// Of a table that outlives it. hear(), where set, is called with what each coder knows in the end, in the table's order.
+    StartTable(const CompactTable* table, HearLearnt hear) noexcept : at_(table->contexts), weight_(table->weights), hear_(hear) {
+        find_next();
+    }
 
-    /// Gives these, which come next, what the table says.
-    void start(const ContextTables& tables) noexcept {
-        for (std::vector<AdaptiveBit>* const table : tables) {
+    /// Gives a coder, which comes next, what the table says.
+    template <class Coder>
+    void begin(Coder& coder) {
+        start(coder.learnt());
+    }
+    /// All that the coder codes is coded.
+    template <class Coder>
+    void end(Coder& coder) const {
+        if (hear_) hear_(coder.learnt());
+    }
+
+  private:
+    static constexpr std::uint32_t bits_seen = 24;  // more trust loses where a file is of another kind, less where it is not
+
+    void start(const Learnt& learnt) noexcept {
+        for (std::vector<AdaptiveBit>* const table : learnt.contexts) {
             for (; next_ - first_ < table->size(); find_next()) {
                 const int symbol = TableText::symbol(*at_++);
                 (*table)[next_ - first_] = AdaptiveBit(Logistic::probability(64 * (symbol - TableText::middle)), bits_seen);
@@ -772,11 +828,13 @@ class StartTable {
             }
             first_ += table->size();
         }
+        for (std::int32_t& weight : *learnt.weights) {
+            const int symbol = TableText::symbol(*weight_);
+            if (symbol < 0) break;
+            weight = (symbol - TableText::none) * 1024;
+            ++weight_;
+        }
     }
-
-  private:
-    static constexpr std::uint32_t bits_seen = 24;  // more trust loses where a file is of another kind, less where it is not
-
     // Moves next_ on to the context whose probability is at at_; beyond all where the text ends.
     void find_next() noexcept {
         std::size_t passed = 0;
@@ -792,7 +850,8 @@ class StartTable {
         next_ += passed;
     }
 
-    const char* at_;
+    const char *at_, *weight_;
+    HearLearnt hear_;
     std::size_t first_ = 0,  // the number of the first context of the table that comes
         next_ = 0;           // of the next one that the text has
 };
@@ -934,7 +993,7 @@ class SiteCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&neighbors_, &wide_, &far_, &depth_, &inner_}; }
+    [[nodiscard]] Learnt learnt() { return {{&neighbors_, &wide_, &far_, &depth_, &inner_}, &mixer_.weights()}; }
 
   private:
     static constexpr std::size_t kinds = 48;  // of decisions, see kind_of()
@@ -1086,7 +1145,278 @@ class SiteCoder {
 
 #endif  // HMESH_IO_COMPACT_SITES_HPP
 
-// ---- hmesh/io/compact/colors.hpp
+// ---- hmesh/io/compact/colors/foretelling.hpp
+
+/// \file
+/// DistanceForetelling and AreaForetelling: what the next colour of a triangulation is foretold as, from those coded before it.
+///
+/// Both are means of neighbours. Of an annealed mesh the near ones are no better guides than those far away: triangles are long
+/// along the edges of an image, and two ends of a short side lie on both sides of one. By the area that two vertices share, the
+/// differences of a photograph's colours take a tenth fewer bits than by the reciprocal of their distance; which of them a file
+/// has goes with its start table (CompactTable).
+///
+/// Cost: O(n); by area some 40 ns a number more than by distance.
+#ifndef HMESH_IO_COMPACT_COLORS_FORETELLING_HPP
+#define HMESH_IO_COMPACT_COLORS_FORETELLING_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// What a number is foretold as, and by how much it may be missed.
+struct Foretold {
+    std::int64_t guess = 0,  ///< the number
+        weights = 0,         ///< sum of the neighbours' weights; 0: there is none, the guess says nothing
+        spread = 0,          ///< sum of weight times what a neighbour is off the guess
+        missed = 0;          ///< sum of weight times by what a neighbour was missed itself
+};
+
+/// What colours are made of: numbers from 0 to `most` a channel.
+struct ColorNumbers {
+    std::size_t channels;     ///< 1 to 4
+    std::int64_t most;        ///< of exact colours; of coarse ones 255
+    bool is_coarse;           ///< whether numbers are coarse planes, in 16ths of a 255th
+    bool is_luma;             ///< whether the first is a luma, and the next two differences
+    std::int64_t frame_area;  ///< twice that of the frame, in squared units of points
+};
+
+/// How far away a point is: within 7 % of Euclid's distance.
+[[nodiscard]] inline std::int64_t distance_of(GridPoint p, GridPoint q) noexcept {
+    const std::int64_t dx = std::int64_t{p.x} - q.x, dy = std::int64_t{p.y} - q.y;
+    const std::int64_t x = dx < 0 ? -dx : dx, y = dy < 0 ? -dy : dy;
+    return std::max(x, y) + 3 * std::min(x, y) / 8;
+}
+
+/// Foretells by the mean of the neighbours coded before, each as the distance's reciprocal.
+class DistanceForetelling {
+  public:
+    /// Of a triangulation of n points.
+    DistanceForetelling(std::size_t n, const ColorNumbers& numbers)
+        : channels_(numbers.channels), one_(numbers.most < 131072 ? 4096 : 64), planes_(n * channels_, 0),
+          missed_(n * channels_, 0) {}
+
+    /// Looks around a vertex, the next to be coded; `last` is the one before it, or not below v.
+    void look(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
+        using Index = Triangulation::Index;
+        neighbors_.clear();
+        at_ = v;
+        std::int64_t nearest = std::int64_t{1} << 26;
+        const auto at = static_cast<Index>(v);
+        const GridPoint p = mesh.point(at);
+        Index e = mesh.first(at);
+        for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
+            const std::size_t u = mesh.to(e);
+            if (u >= v || !used[u]) continue;
+            const std::int64_t distance = distance_of(p, mesh.point(static_cast<Index>(u)));
+            nearest = std::min(nearest, distance);
+            neighbors_.push_back({u, distance});
+        }
+        // Of up to 2^24 neighbours sums stay below 2^62.
+        for (Neighbor& neighbor : neighbors_) neighbor.weight = std::max<std::int64_t>(1, nearest * one_ / neighbor.weight);
+        if (neighbors_.empty() && last < v) neighbors_.push_back({last, 1});
+        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
+        known_ = std::min<std::size_t>(neighbors_.size(), 7);
+    }
+    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest one, at most 19
+    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many there are, at most 7
+
+    /// Foretells the number of a channel, in [0, most]; `first` where nothing is known.
+    [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t /*most*/) const noexcept {
+        Foretold out;
+        std::int64_t sum = 0;
+        for (const Neighbor& neighbor : neighbors_) {
+            const std::size_t i = neighbor.vertex * channels_ + channel;
+            sum += neighbor.weight * std::int64_t{planes_[i]};
+            out.missed += neighbor.weight * std::int64_t{missed_[i]};
+            out.weights += neighbor.weight;
+        }
+        out.guess = out.weights == 0 ? first : (sum + out.weights / 2) / out.weights;
+        for (const Neighbor& neighbor : neighbors_) {
+            const std::int64_t off = std::int64_t{planes_[neighbor.vertex * channels_ + channel]} - out.guess;
+            out.spread += neighbor.weight * (off < 0 ? -off : off);
+        }
+        return out;
+    }
+    /// Notes what a channel's number is, and by how much it was missed.
+    void note(std::size_t channel, std::int64_t number, std::int64_t missed) noexcept {
+        planes_[at_ * channels_ + channel] = static_cast<std::uint32_t>(number);
+        missed_[at_ * channels_ + channel] = static_cast<std::uint32_t>(missed);
+    }
+    /// All channels of the vertex are coded.
+    void close() noexcept {}
+
+  private:
+    struct Neighbor {
+        std::size_t vertex;
+        std::int64_t weight;
+    };
+
+    std::size_t channels_;
+    std::int64_t one_;
+    std::vector<std::uint32_t> planes_, missed_;
+    std::vector<Neighbor> neighbors_;
+    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+};
+
+/// Foretells by the mean of all neighbours, each as the area of the triangles that it shares with the vertex; those not coded yet
+/// are taken for the mean of their own neighbours that are. Differences of colour go by neighbours of like luma, and by what the
+/// channels before were off, as far as that has told of them so far.
+class AreaForetelling {
+  public:
+    /// Of a triangulation of n points.
+    AreaForetelling(std::size_t n, const ColorNumbers& numbers)
+        : channels_(numbers.channels), has_luma_(numbers.is_luma), unit_(numbers.frame_area / most_area + 1), known_of_(n),
+          likeness_(std::max<std::int64_t>(1, (numbers.is_coarse ? 4080 : numbers.most) / 64)) {
+        const std::int64_t usual = (numbers.is_coarse ? 4080 : numbers.most) / 13;  // off by so much, a luma tells something
+        for (auto& of : slopes_) of.fill({0, std::max<std::int64_t>(1, usual * usual)});
+    }
+
+    /// As of DistanceForetelling.
+    void look(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
+        using Index = Triangulation::Index;
+        neighbors_.clear();
+        later_.clear();
+        at_ = v;
+        known_ = 0;
+        std::int64_t nearest = std::int64_t{1} << 26;
+        const auto at = static_cast<Index>(v);
+        Index e = mesh.first(at);
+        std::int64_t before = area_beside(mesh, mesh.previous(e));
+        for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
+            const std::int64_t area = area_beside(mesh, e), shared = (before + area) / unit_ + 1;
+            before = area;
+            const std::size_t u = mesh.to(e);
+            if (!used[u]) continue;
+            if (u < v) {
+                nearest = std::min(nearest, distance_of(mesh.point(at), mesh.point(static_cast<Index>(u))));
+                add_neighbor(shared, known_of_[u], 1);
+                ++known_;
+            } else {
+                later_.push_back({u, shared});
+                if (known_of_[u].weights > 0) add_neighbor(shared, known_of_[u], known_of_[u].weights);
+            }
+        }
+        if (neighbors_.empty() && last < v) add_neighbor(1, known_of_[last], 1);
+        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
+        known_ = std::min<std::size_t>(known_, 7);
+    }
+    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest coded one
+    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many are coded, at most 7
+
+    /// As of DistanceForetelling.
+    [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t most) noexcept {
+        Foretold out;
+        const bool is_difference = has_luma_ && (channel == 1 || channel == 2);
+        if (channel == 1 && has_luma_) weigh_by_luma();
+        for (const Neighbor& neighbor : neighbors_) {
+            out.missed += neighbor.weight * neighbor.missed[channel];
+            out.weights += neighbor.weight;
+        }
+        if (out.weights == 0) return out.guess = mean_ = first, out;
+        mean_ = out.guess = mean(channel, out.weights);
+        if (is_difference)
+            for (std::size_t k = 0; k < channel; ++k) {
+                off_[k] = now_[k] - mean(k, out.weights);
+                const Slope slope = slopes_[channel - 1][k];
+                out.guess += slope.both * off_[k] / slope.square;
+            }
+        out.guess = std::max<std::int64_t>(0, std::min(out.guess, most));
+        for (const Neighbor& neighbor : neighbors_) {
+            const std::int64_t off = neighbor.planes[channel] - out.guess;
+            out.spread += neighbor.weight * (off < 0 ? -off : off);
+        }
+        return out;
+    }
+    /// As of DistanceForetelling.
+    void note(std::size_t channel, std::int64_t number, std::int64_t missed) noexcept {
+        now_[channel] = number;
+        missed_[channel] = missed;
+        if (!has_luma_ || channel == 0 || channel > 2 || neighbors_.empty()) return;
+        std::int64_t off = number - mean_;
+        for (std::size_t k = 0; k < channel; ++k) {
+            Slope& slope = slopes_[channel - 1][k];
+            const std::int64_t told = slope.both * off_[k] / slope.square;
+            slope.both += off_[k] * off - slope.both / 512;
+            slope.square += off_[k] * off_[k] - slope.square / 512;
+            off -= told;
+        }
+    }
+    /// All channels of the vertex are coded: its neighbours that come later know of it.
+    void close() noexcept {
+        known_of_[at_] = {now_, missed_, 0};
+        for (const Later& later : later_) {
+            Known& known = known_of_[later.vertex];
+            for (std::size_t k = 0; k < channels_; ++k) {
+                known.planes[k] += later.shared * now_[k];
+                known.missed[k] += later.shared * missed_[k];
+            }
+            known.weights += later.shared;
+        }
+    }
+
+  private:
+    // Twice the area of the frame, in units of what is shared: of the largest numbers, 2^32, sums stay below 2^63.
+    static constexpr std::int64_t most_area = std::int64_t{1} << 29;
+
+    using Numbers = std::array<std::int64_t, 4>;
+    // What is known of a vertex: of a coded one its numbers, of others the weighted sums over their coded neighbours.
+    struct Known {
+        Numbers planes{}, missed{};
+        std::int64_t weights = 0;
+    };
+    struct Neighbor {
+        std::int64_t shared, weight;
+        Numbers planes, missed;
+    };
+    struct Later {
+        std::size_t vertex;
+        std::int64_t shared;
+    };
+    // Of what two numbers were off: the sum of their products, and of the first one's squares.
+    struct Slope {
+        std::int64_t both, square;
+    };
+
+    void add_neighbor(std::int64_t shared, const Known& known, std::int64_t weights) {
+        Neighbor neighbor{shared, shared, known.planes, known.missed};
+        if (weights > 1)
+            for (std::size_t k = 0; k < channels_; ++k) neighbor.planes[k] /= weights, neighbor.missed[k] /= weights;
+        neighbors_.push_back(neighbor);
+    }
+    void weigh_by_luma() noexcept {
+        for (Neighbor& neighbor : neighbors_) {
+            const std::int64_t off = neighbor.planes[0] - now_[0];
+            neighbor.weight = std::max<std::int64_t>(1, 16 * neighbor.shared * likeness_ / (likeness_ + (off < 0 ? -off : off)));
+        }
+    }
+    [[nodiscard]] std::int64_t mean(std::size_t channel, std::int64_t weights) const noexcept {
+        std::int64_t sum = 0;
+        for (const Neighbor& neighbor : neighbors_) sum += neighbor.weight * neighbor.planes[channel];
+        return (sum + weights / 2) / weights;
+    }
+
+    std::size_t channels_;
+    bool has_luma_;
+    std::int64_t unit_;
+    std::vector<Known> known_of_;
+    std::int64_t likeness_;                         // lumas that differ by so much count half
+    std::array<std::array<Slope, 2>, 2> slopes_{};  // of the second and third channel by those before
+    std::vector<Neighbor> neighbors_;
+    std::vector<Later> later_;
+    Numbers now_{}, missed_{}, off_{};
+    std::int64_t mean_ = 0;
+    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+};
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_COMPACT_COLORS_FORETELLING_HPP
+
+// ---- hmesh/io/compact/colors/color_coder.hpp
 
 /// \file
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
@@ -1098,8 +1428,8 @@ class SiteCoder {
 /// they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
-#ifndef HMESH_IO_COMPACT_COLORS_HPP
-#define HMESH_IO_COMPACT_COLORS_HPP
+#ifndef HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP
+#define HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP
 
 #include <algorithm>
 #include <array>
@@ -1176,29 +1506,27 @@ struct CoarseColors {
     }
 };
 
-/// Codes colours. `channels` numbers a vertex, interleaved.
+/// Codes colours. `channels` numbers a vertex, interleaved. `Foretelling` is one of foretelling.hpp.
+template <class Foretelling>
 class ColorCoder {
   public:
-    /// With the coder that it writes to or reads from, which outlives it, as the tables and `coarse` do. Numbers are 0 to `most`,
-    /// below 2^32, of coarse colours 255.
-    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most, CoarseColors& coarse)
-        : coder_(&coder), coarse_(&coarse), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845),
-          spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8),
-          signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
+    /// Of a triangulation of n points, with the coder that it writes to or reads from, which outlives it, as the tables and
+    /// `coarse` do.
+    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t n, const ColorNumbers& numbers, CoarseColors& coarse)
+        : coder_(&coder), coarse_(&coarse), channels_(numbers.channels), most_(numbers.most), foretelling_(n, numbers),
+          sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20),
+          place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
     bool code(const Triangulation& mesh, const std::vector<bool>& used, std::vector<std::uint32_t>& colors) {
         const std::size_t n = mesh.point_count();
-        const bool is_rgb = channels_ >= 3 && most_ < 65536, has_alpha = channels_ % 2 == 0;
-        planes_.assign(n * channels_, 0);
-        missed_.assign(n * channels_, 0);
-        const bool is_coarse = coarse_->step > 0;
+        const bool is_rgb = channels_ >= 3 && most_<65536, has_alpha = channels_ % 2 == 0, is_coarse = coarse_->step> 0;
         if (is_coarse && coder_->writes()) choice_ = ColorChoice(mesh, used, coarse_->wanted, channels_);
         std::size_t last = n;  // the vertex coded before
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
-            find_neighbors(mesh, used, v, last);
+            foretelling_.look(mesh, used, v, last);
             if (is_coarse) find_area(mesh, v);
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
@@ -1221,7 +1549,7 @@ class ColorCoder {
                 if (got < 0) return false;
                 truth[channel] = got;
             }
-            for (std::size_t k = 0; k < channels_; ++k) planes_[v * channels_ + k] = static_cast<std::uint32_t>(truth[k]);
+            foretelling_.close();
             if (is_coarse && coder_->writes()) choice_.close(v);
             if (is_coarse) {
                 truth = CoarseColors::color(truth, is_rgb);
@@ -1240,15 +1568,11 @@ class ColorCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&spread_, &misses_, &others_, &place_, &signs_, &digits_}; }
+    [[nodiscard]] Learnt learnt() { return {{&spread_, &misses_, &others_, &place_, &signs_, &digits_}, &sizes_.weights()}; }
 
   private:
     static constexpr std::size_t steps = 36;  // of the number of digits of a difference
 
-    struct Neighbor {
-        std::size_t vertex;
-        std::int64_t weight;
-    };
     // What is coded of a vertex: a channel, its largest number, its step and what the first vertex is foretold as.
     struct Plane {
         std::size_t channel;
@@ -1262,32 +1586,6 @@ class ColorCoder {
             return {&of.spread_[spread + size], &of.misses_[misses + size], &of.others_[others + size], &of.place_[place + size]};
         }
     };
-
-    // The neighbours of v that were coded before it, and how much each counts: as the distance's reciprocal.
-    void find_neighbors(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
-        using Index = Triangulation::Index;
-        neighbors_.clear();
-        std::int64_t nearest = std::int64_t{1} << 26;
-        const auto at = static_cast<Index>(v);
-        const GridPoint p = mesh.point(at);
-        Index e = mesh.first(at);
-        for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-            const std::size_t u = mesh.to(e);
-            if (u >= v || !used[u]) continue;
-            const GridPoint q = mesh.point(static_cast<Index>(u));
-            const std::int64_t dx = std::int64_t{p.x} - q.x, dy = std::int64_t{p.y} - q.y;
-            const std::int64_t x = dx < 0 ? -dx : dx, y = dy < 0 ? -dy : dy;
-            const std::int64_t distance = std::max(x, y) + 3 * std::min(x, y) / 8;  // within 7 % of Euclid's
-            nearest = std::min(nearest, distance);
-            neighbors_.push_back({u, distance});
-        }
-        // Of up to 2^24 neighbours sums stay below 2^62.
-        const std::int64_t one = most_ < 131072 ? 4096 : 64;
-        for (Neighbor& neighbor : neighbors_) neighbor.weight = std::max<std::int64_t>(1, nearest * one / neighbor.weight);
-        if (neighbors_.empty() && last < v) neighbors_.push_back({last, 1});
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(neighbors_.size(), 7);
-    }
 
     // Twice the area of the faces around v.
     void find_area(const Triangulation& mesh, std::size_t v) {
@@ -1330,30 +1628,21 @@ class ColorCoder {
                              std::array<std::size_t, 2>& turns) {
         const std::size_t channel = plane.channel;
         const std::int64_t most = plane.most, step = plane.step, first = plane.first;
-        std::int64_t sum = 0, weights = 0, missed = 0;
-        for (const Neighbor& neighbor : neighbors_) {
-            const std::size_t i = neighbor.vertex * channels_ + channel;
-            sum += neighbor.weight * std::int64_t{planes_[i]};
-            missed += neighbor.weight * std::int64_t{missed_[i]};
-            weights += neighbor.weight;
-        }
-        const std::int64_t guess = weights == 0 ? first : (sum + weights / 2) / weights;
-        std::int64_t spread = 0;
-        for (const Neighbor& neighbor : neighbors_) {
-            const std::int64_t off = std::int64_t{planes_[neighbor.vertex * channels_ + channel]} - guess;
-            spread += neighbor.weight * (off < 0 ? -off : off);
-        }
+        const Foretold foretold = foretelling_.foretell(channel, first, most);
+        const std::int64_t guess = foretold.guess;
         // Four times the mean, in steps and half powers of two.
         const auto level = [&](std::int64_t total) {
-            if (weights == 0) return std::size_t{19};
-            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (weights * step / 4 + 1))), 18);
+            if (foretold.weights == 0) return std::size_t{19};
+            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (foretold.weights * step / 4 + 1))),
+                                         18);
         };
-        const std::size_t spread_level = level(spread), missed_level = level(missed);
+        const std::size_t spread_level = level(foretold.spread), missed_level = level(foretold.missed);
         std::int64_t difference = truth - guess;
         const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         const std::size_t at = channel * 20 * steps;
         const Sizes sizes{at + spread_level * steps, at + missed_level * steps, at + other * steps,
-                          channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps, channel * steps};
+                          channel * 20 * 8 * steps + (foretelling_.distance() * 8 + foretelling_.known()) * steps,
+                          channel * steps};
         if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess, sizes);
         // The number of digits of the difference, one by one.
         const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess) / step);
@@ -1384,7 +1673,7 @@ class ColorCoder {
             turn = is_below ? 2 : 1;
         }
         if (number < 0 || number > most) return -1;
-        missed_[v * channels_ + channel] = static_cast<std::uint32_t>(number > guess ? number - guess : guess - number);
+        foretelling_.note(channel, number, number > guess ? number - guess : guess - number);
         if (coarse_->step > 0 && coder_->writes()) {
             choice_.set(v, channel, static_cast<double>(number));
         }
@@ -1403,18 +1692,16 @@ class ColorCoder {
     CoarseColors* coarse_;
     std::size_t channels_;
     std::int64_t most_;
+    Foretelling foretelling_;
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
-    std::vector<std::uint32_t> planes_, missed_;
-    std::vector<Neighbor> neighbors_;
     ColorChoice choice_;
     std::int64_t area_ = 0;
-    std::size_t distance_ = 0, known_ = 0;
 };
 
 }  // namespace hmesh::detail
 
-#endif  // HMESH_IO_COMPACT_COLORS_HPP
+#endif  // HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP
 
 // ---- hmesh/io/compact/container.hpp
 
@@ -1861,7 +2148,7 @@ class FlipCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&angles_, &shapes_, &near_}; }
+    [[nodiscard]] Learnt learnt() { return {{&angles_, &shapes_, &near_}, &mixer_.weights()}; }
 
   private:
     // All edges, each once, by the lesser of its points and then by the other.
@@ -2133,12 +2420,13 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     }
 }
 
-/// Writes or reads a body, from the start that `table` gives, null: from nothing. Where it is read, more points than
+/// Writes or reads a body, from the Start that `table` gives, its colours by this Foretelling. Where it is read, more points than
 /// `most_points` are refused before there is memory for them; what passes are the faces of a triangulation and colours that there
 /// are.
-/// learnt(), where set, is called with the contexts of each coder when all is coded, in the order of the table.
-[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points,
-                                      const CompactTable* table, FunctionRef<void(const ContextTables&)> learnt = {}) {
+/// hear(), where set, is called with what each coder knows when all is coded, in the order of the table.
+template <class Start = EmptyStart, class Foretelling = DistanceForetelling>
+[[nodiscard]] Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points,
+                               const CompactTable* table, HearLearnt hear) {
     const Status early(Errc::invalid_argument, "the compact mesh ends early or is damaged");
     const auto lattice = lattice_of(head);
     std::array<std::uint32_t, 5> counts{};
@@ -2157,24 +2445,24 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
 
     body.ends[0] = coder.position();
     const Logistic logistic;
-    StartTable begin(table);
+    Start start(table, hear);
     {
         SiteCoder sites(coder, logistic);
-        begin.start(sites.contexts());
+        start.begin(sites);
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t width = k < 4 ? lattice[k % 2] - 1 : lattice[0] - 1, height = k < 4 ? 1 : lattice[1] - 1;
             if (!sites.code(width, height, counts[k], body.sites[k])) return early;
         }
-        if (learnt) learnt(sites.contexts());
+        start.end(sites);
     }
     body.ends[1] = coder.position();
     const std::vector<GridPoint> points = points_of(head, body);
     Triangulation mesh(points);
     {
         FlipCoder flips(coder, logistic);
-        begin.start(flips.contexts());
+        start.begin(flips);
         if (!flips.code(mesh, body.flips)) return early;
-        if (learnt) learnt(flips.contexts());
+        start.end(flips);
     }
     body.ends[2] = coder.position();
     body.faces = all_faces(mesh);
@@ -2190,12 +2478,20 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     body.colors.resize(channels * points.size());
     body.coarse.step = head.color_step;
     body.coarse.mean_area = std::int64_t{head.frame_width} * head.frame_height * 1536 / static_cast<std::int64_t>(points.size());
-    ColorCoder colors(coder, logistic, channels, head.most_color(), body.coarse);
-    begin.start(colors.contexts());
+    const std::int64_t most = head.most_color();
+    const ColorNumbers numbers{channels, most, head.color_step > 0, channels >= 3 && most < 65536,
+                               2 * std::int64_t{head.frame_width} * head.frame_height};
+    ColorCoder<Foretelling> colors(coder, logistic, points.size(), numbers, body.coarse);
+    start.begin(colors);
     if (!colors.code(mesh, body.used, body.colors)) return early;
-    if (learnt) learnt(colors.contexts());
+    start.end(colors);
     body.ends[4] = coder.position();
     return {};
+}
+
+/// How files with a table are coded; null: without one.
+[[nodiscard]] inline CompactTable::Code* code_of(const CompactTable* table) noexcept {
+    return table == nullptr ? &code_body<> : table->code;
 }
 
 }  // namespace hmesh::detail
@@ -2359,7 +2655,7 @@ class CompactWriter {
         }
         ArithmeticCoder coder(out);
         constexpr std::size_t any = std::numeric_limits<std::size_t>::max();
-        if (const Status status = code_body(coder, head_, body_, any, options.table); !status) return status;
+        if (const Status status = code_of(options.table)(coder, head_, body_, any, options.table, {}); !status) return status;
         // Points and colours are what they are; the flips were found elsewhere than they were told.
         HMESH_ASSERT(body_.faces == wanted);
         if (body_.faces != wanted) return {Errc::invalid_argument, "the flips of a compact file do not lead to the mesh"};
@@ -2640,7 +2936,8 @@ class CompactWriter {
 [[nodiscard]] inline Status get_compact(ByteReader& in, CompactHead head, const ToldSize* bare, const CompactLimits& limits,
                                         const CompactTable* table, CompactMesh& out) {
     if (const Status status = bare != nullptr ? get_bare_head(in, *bare, head) : get_head(in, head); !status) return status;
-    if (head.table != 0 && (table == nullptr || table->number != head.table))
+    const CompactTable* const own = head.table == 0 || table == nullptr ? nullptr : table->find(head.table);
+    if (head.table != 0 && own == nullptr)
         return {Errc::invalid_argument, "the compact mesh begins with a start table that its reader was not given, number",
                 head.table, table == nullptr ? 0 : table->number};
     const std::int64_t pixels = std::int64_t{head.width} * head.height;
@@ -2649,7 +2946,7 @@ class CompactWriter {
     ArithmeticCoder coder(in.next(), in.left());
     CompactBody body;
     const auto most = static_cast<std::size_t>(limits.max_vertices);
-    if (const Status status = code_body(coder, head, body, most, head.table == 0 ? nullptr : table); !status) return status;
+    if (const Status status = code_of(own)(coder, head, body, most, own, {}); !status) return status;
     if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
     out.linear = head.linear;
     out.colors = head.colors;
@@ -2754,21 +3051,20 @@ inline CompactMesh read_bare_compact(const void* bytes, std::size_t size, int wi
 
 #endif  // HMESH_IO_COMPACT_HPP
 
-// ---- hmesh/io/compact/photographs.hpp
+// ---- hmesh/io/compact/photographs_1.hpp
 
 /// \file
-/// compact_photographs: what contexts of compact files begin with, learnt from small files of photographs.
+/// compact_photographs_1: the start table that compact files began with before compact_photographs, which reads them too.
 ///
-/// Generated by tools/compact_table from 192 files: do not edit. It has 5664 contexts, each with two characters or more, and
-/// stands in a header of its own, for programs that only read and write files without it.
-#ifndef HMESH_IO_COMPACT_PHOTOGRAPHS_HPP
-#define HMESH_IO_COMPACT_PHOTOGRAPHS_HPP
+/// Learnt from 192 files of up to 2,000 bytes, 5664 contexts, each with two characters or more. It stays as it is.
+#ifndef HMESH_IO_COMPACT_PHOTOGRAPHS_1_HPP
+#define HMESH_IO_COMPACT_PHOTOGRAPHS_1_HPP
 
 namespace hmesh {
 
-/// The start table number 1, for CompactOptions::table, CompactImageOptions::table and read_compact(): 11604 bytes.
-inline constexpr CompactTable compact_photographs{
-    1,
+/// The start table number 1: 11604 bytes.
+inline constexpr CompactTable compact_photographs_1{
+    1, &detail::code_body<detail::StartTable, detail::DistanceForetelling>,
     "#P#O#N#L#R#P#N#N#Q#P#O#O#S#R#O#O#P#O#M#N#Q#P#Q#N#Q#Q#O#O#R#O#R$P#O#O#K#Q#P#Q$P#O%Q#R%P#N#N#L#P#O#P#N#R#O#P#O#P#R$P#P#O#N"
     "#O#Q#O#P$R#Q#O$R#P%Q#P#N$Q#Q#P$R#O%O&Q#P#O$Q#Q%Q*P#N#O$P#P#P$R#P)Q#O%R#Q%P*O#P%Q#O-O#O%P#P-O#R%P#Q-R#R%R&R*P&S.R2R1R#L#K"
     "#L#J#N#L#L#J#N#N#J$O#M$M#M#M#L#F#N#M#L#J#O#N#N$O#O%L#K#M#H#L#K#M#L#O#L%R&L#J#K#G#L#L#M#L#L#N#N#J#O#N#M#L#L#L#J#M#M#K#L$P"
@@ -2866,6 +3162,128 @@ inline constexpr CompactTable compact_photographs{
     "L#K#IDM#L#K#GDN#M#M#IDN#M#MEO#N#IEN#LR<M#L#KEL#L#HEL#L#J#LDM#L#K#JDM#K#JEN#L#JEO#L#GR;K#J#FEL#K#J#GDM#K#GEM#L#HEM#K#IEM#"
     "K#GEO#L#HR;K#I#FEL#J#HEL#K#EEM#L#HEM#K#HEN#L#HEN#LR<K#J#FEL#K#FEM#K#FEN#K#GEN#JFN#KFO#LR<K#HFL#LFN#IFMGOT+IGJV=GV=EGL#N#"
     "LS};P=O+O+Q+N%J%T%U%Q%X%I%H%NR$P*M#O#N(J#M#N(K#L#L(LVBL*L#M#N(L#M#O(L#MVIK*K#L#O(J#M"};
+
+}  // namespace hmesh
+
+#endif  // HMESH_IO_COMPACT_PHOTOGRAPHS_1_HPP
+
+// ---- hmesh/io/compact/photographs.hpp
+
+/// \file
+/// compact_photographs: what contexts of compact files begin with, learnt from files of photographs.
+///
+/// Generated by tools/compact_table from 208 files: do not edit. It has 5248 contexts, each with two characters or more, and all
+/// weights, and stands in a header of its own, for programs that only read and write files without it.
+#ifndef HMESH_IO_COMPACT_PHOTOGRAPHS_HPP
+#define HMESH_IO_COMPACT_PHOTOGRAPHS_HPP
+
+namespace hmesh {
+
+/// The start table number 2, for CompactOptions::table, CompactImageOptions::table and read_compact(), which reads those of
+/// number 1 with it too: 11882 bytes.
+inline constexpr CompactTable compact_photographs{
+    2, &detail::code_body<detail::StartTable, detail::AreaForetelling>,
+    "#P#O#O#M#Q#P#Q#O#R#Q#P#O#S#Q#P#O#P#O#N#O#P#P#P#O#R#Q#P$Q#Q$P#O#O#M#N#P#P#P$Q#P%Q&O#N#M#M#P#O#O#O#P#O$O#P#Q$P#Q#P#O$R#Q#P"
+    "$S#Q%S&P#O#O$Q#P#P$P#P)Q#P#O$Q#P%Q*P#O#O#N#P#P#P$Q#P)R#P%R#P%R*P#P%Q#P-P#P%P.Q#P%P#P-S#Q%S&R*R2P2Q#P%Q-Q#M#L#K#L#N#M#M#M"
+    "#O#N#O$Q#O#P#N#M#K#K#K#M#M#M$M#M%Q#O%M#L#K#L#M#M#M$N#N%P&K#K#J#J#L#M#K#K#N#M#N#M#O#N#N#K#N#M#M$N#N#N$P#N%P&M#L#L$M#L%M*L"
+    "#L#L$M#M%M*M#L#L#K#M#L#M$N#M(L#N#M%O#M-M#M%N.L#L1M#L%L#L,M#Q#N%P.O2M2N#M%N-L#Q#Q#P#N#S#R#Q#Q#S#R%R&Q#Q#P#O#S#R#Q$R#Q)Q#P"
+    "#O$R#R%Q*P#O#O#M#Q#P#P#P#P#R%Q#R$O#Q#R#Q$S#S-R#R#Q$R#R-R#Q#Q$R#R-R#Q%R#R,R#R#Q%R.Q&Q.Q2Q#Q%Q.R2Q2Q2Q1QVCP#O#O#M#R#P#O$R#"
+    "R%T&Q#O#O$Q#P%Q*P#O#N$Q#Q%Q*P#N#M#L#Q#O#P#O#Q#O#P#N#S#Q#Q#O#Q#O%R#Q%R*Q#P%P#P-Q#P%Q#P-Q#O#O$P#P#O$Q#Q&P$P#Q&R.P2P2P#P%P-"
+    "O#S2Q2P2P&Q#P*Q$P#Q#Q#P$S#S-R#Q%S.R#Q%R.R#P#P#O#R#R$P*R#R#S1S2S2S2QR%SR5Q1S#O#M%O#N%P*N#L%N#N-N#L%N.N#N%N#N%P&Q%M#O&O.M2"
+    "M2N2P2MCN2PR%N1O]4O#M#L#M#Q#P#O#M#Q#O%R#P$O#N#N#M#M#O#O%O#P%Q%N#O#M#N#M#O#N%P&Q#Q$O#O#M#L#K#O#O#O#M#Q#O#N#M#R#Q#P#O#O#N%"
+    "P-N#N#M%O.O#N%O#O,N#N#O#M#M#P#N#N#N#O#N#N#N#P#O#P#N#P1P#O2O2N#N#N#M#N#N#N#N#O#O#N#M#P#P#O#O#Q#Q%R*U#S#R#Q#P1P#O1Q#N#O#N#"
+    "M#P#O#O#M#P#O#O#N#Q#Q#O#O#P#O#O$Q#Q,P#P#O%Q#Q,R#P#P%P.P#O#O#M#R#P#P#O#Q#P#R#P#Q#Q#Q#Q#P2P2R2Q#R#R#O#Q#R#Q#P$R$Q$Q#R#Q#S2"
+    "S2S2Q#Q%Q#R$Q%Q#Q$S#R#R#R1R#Q2Q2S#R#P#N#Q#R#R#R$R#S#R#R#S#S#S#N&M*O&M&N.L2L#L%L#K#K$M#L%N#L#L#K#L2M2L2J#K%M+L#L#K#NR%K0L"
+    "#J#N.Q%M#M1M2M#K#L%M#K$L&J#M#L#K#J#R#Q1R2R2Q#Q$N&Q&Q&R#RR%R1SR&R1SR&R%O&Q&R&TR&P1PR5PR5QR&Q-Q%Q#Q#OCO2N.O#P#N#NR&N1NR&N1"
+    "NR&N-N$O#N#N]DRDO%K&L&M#Q#Q#P#OR&N1MR&O1N#R1R2R2R#O#P$M#P#O#O#N%P#N#R#Q#Q#OR&T%N&O&O&SR5SR5U2UDU%Q&S&T$T#V#V2MDM1IR5JR5J"
+    "#N1M2M2L#J)J&I#N#L#J#IR5PU.SR&O1PR5OR5P2RDQ)P&P$Q#P#PR&O1LR5MR5L2N2P2M#K)L&L$M#M#L2ODN)P*PR5PR5O#O1O2P2P#P%P&P&P#O#O#P#P"
+    "VCU1UDO1OR5NR5M#U1SDP-O$Q#Q#PR&V1UTMV1X2NDJ1HSJM1MDJ1HR5QU.TR&Q1RTMR1RR&M1LT+PDK1L#O1ODO1OR5OR5P#O1O2O2P#O)O&O#P#O#O#OVC"
+    "V1TDN1OT+VDQ1PR&U1TTMW1X#QR4HT+ODJ1HWFR1STMS1SR5MTML1L#N1ODP1OSJN1ODO1OVCW1XDM1OSJW1WDO1PR&X1VTMW1Y#R1PDH1ISJO1QDI1HWFS1"
+    "STMT1T#QR%L1LTMM1L#P1PDP1OSJP1ODP1O&P&P&O&O&O&N&O&N&Q&P&P&P&P&O&P&N&Q&P&P&P&O&O&P&O&Q&P&P&P&P&P*P&R&Q&P&P&P&O*P&R&Q&P&Q&"
+    "P2R&Q&P:R&Q&P&P2P&M&L&M&L&L&K&K&K&M&L&L&L&L&L&M&L&M&M&L&L&L&N&M&K&N&M&L&M&M&M&M&L&O&M&L&L&M&M*L&O&N&L&M&L2N&N&M&M6P&O&N&"
+    "N&M&M*N&Q&Q&Q&P&O&O&O&O&R&R&R&Q&Q&Q&P&P&R&R&R&R&Q&Q*Q&R&R&R&Q&Q&Q.R&R&Q&R&R2R&R&Q&Q&Q2Q*R:R&R&Q&Q&R.QVFP&P&P&P&O&O&O&N&P"
+    "&P&P&P&P&O&O&N&Q&P&Q&P&P&Q&O&O&Q&P&P&P&P&P&P&P&Q&Q&P&P&P&P*P&R&P&P&P&P.P&R&Q&P&P6S&R&R&P&Q&P&Q&P&R&R&R&Q&Q&Q*P&R&S&S&R&S"
+    "&Q.R&S&S&T&R.Q&S&S&S&S&R2S&S&S&S&R2T&S&RR-S>R&O&N&N&N&N&N*O&N&M&L&N&N2N&M&M&M&N&O.N&N&N&N&M2P&N&M&M&N2P&N&P:PCQ&O&N6N]7O"
+    "&O&O&O&O&O&O&N&O&N&N&N&O&N&N&M&O&N&O&N&N&N&O&N&O&N&O&O&N&N&N&N&P&O&O&O&N&N&N&N&P&O&O&O&O&O&N&N&Q&P&P&N&O&O&O&N&R&Q&Q&P&O"
+    "&P&O&O&P&P&P&P&Q&P&O&O&P&Q&Q&R&Q&Q&Q&O&R&R&R&R&R&Q&R&Q&R&R&Q&R&Q&R&Q&Q&S&R&R&R&R&Q&S&Q&Q&R&S&Q&S&R&R&R&R&S&R&R&R&R&R&R&S"
+    "&Q&R&R&R&R&R&R&M&L&K&K&L&L&L&M&M&L&L&K&J&K*K&L&K&L&J&K&K&J&K&M&L&K&K&K&K*K&M&K&J&K&K&K&L&K&M&L&K&K&K&K*K&N&M&L&L&K&L*K&N"
+    "&M&M&L&L&K&L&J&R&R&R&R&Q&Q&P&Q&S&S&S&S&S.Q&S&S&S&S&S.R&R&S&T&S&S.R&Q&S&S&S&R.RCRCS&R&S&R&R&T&S&R&R&Q&Q&R*P.PR5QCPCQCPCR&"
+    "Q*R&Q&Q&Q&Q&Q&O&O&O&O&O&O&P&O&N&N&N&N&N.N&N&O&M&N&M.N&O&N&N&N&N.N&N&N&O&N&N.N&N2N.N&O>O&Q&P&O&O&O&N&N&N]7Q&R&O&P&O&P&O&O"
+    "CMCMCM6N.N.P6NCN&S&R&R&Q&P&P&P&O&S*S&Q&T&S&R&RCRCRCTCTCTCT&U&T&T&U&U&U&U&U&M&L*I*M*JS(JCJCJCJ&N&L&L&L&J&J&J&ICOUOR&Q>PCO"
+    "CPCOCPCPCQ&Q&Q&P&Q&P&Q&Q&P&L.M2MS(LCLCLCL&N&O&M&M&L&M&L&L&N&P*O*P&O&OCOCOCPCPCPCP&O&P&P&O&P&O&P&PVFW>OT;NCO&U&R&R&R&Q&Q&"
+    "Q&OCUU2V>W&N>HU2N.M&L&L*HCQUOTCQU2S>R&Q>KU2P>L&O>OS(OCOCPCO&O&P&P&O&O&P&P&OVFV>NU2W>PCUUOX&P>GU2Q>HW4SUOS&P>MUOL&O>OU2N."
+    "P&O&O&P&OVFX>NU2X>PCWUOY&R>HU2Q>GW4SUOT&R>LU2O>L&P>OU2O>O#P#P#P#P#Q#P#Q#P#R#Q#P#O$S$P#Q#Q#O#P#P#P#P#P$P#P#P'P#P#P#P$P#P#"
+    "Q+Q#P#P#P$Q#P#P&P&Q#Q#P#P#P#P#P#Q#P$Q#P#P'P#P#P#O#P#P#P#P$Q#Q#P'Q#P#P#P$Q#Q#Q&P(Q#P#P%P#P&P&Q#Q#P#P#P#P#Q#P#P$O#P#P'P#Q#"
+    "P#O$P#Q#P&P(P#P#P$P#P#P&P(P#P#P%P#P&P&Q#P#P#P#O#Q#P#Q#P$Q#Q#P$Q#Q#P#Q#Q#P#P$P#P#P&P&P$P#P#P%Q#P&P&Q$O#P#P%Q#P&P&Q#M#M#M#"
+    "L#M#M#M#M$N)M#M#M#M$N#N#L+M#M#L#M$N#M#M+M#N#M#M&M&O&N#N#M#L#M#N#M#L#M$N)M#M#L#L$M#N#M&M'N#N#L#L$N#M#L,L#M#M&L&L&N#N#M#M#"
+    "M$M#M#M+O#M#M#M$M#M#M,L#N#L&L&M(N#M#L&L&M&N#O#N#N#M$N#M#L%M#M&M$N#M#L$N#M#M&N&M$M#N#M&M&M&L$M#N#M%M#L&L&M#R#Q#Q#Q#P#Q#P#"
+    "Q+Q#R#Q#R$Q#Q#R+Q#Q#Q#Q&Q+R#Q#Q#Q&Q+Q#R#Q#P#Q#Q#Q#R+R#R#Q#Q$Q#S#R,Q#Q#R&Q,Q#Q#Q&Q&S&S#Q#Q#Q#P$R#R#R,R#Q#Q%Q#Q,Q#R#Q&Q,Q#"
+    "R#Q&Q&Q&R#R#P#Q#Q$Q#R#Q&Q&Q$R#P#Q&R&Q&R$Q#O#P&R&R&Q$Q#Q#Q&Q&R&QVCP#P#P#P$P-Q#Q#O#P/O#Q#Q#P0Q#Q#Q&P&Q'Q#O#O#P$P#Q-Q#P#P$P"
+    "$O,P#Q#O&P,P#Q#P&P&P&Q#P#Q#P#O$R$P,P#O#P&P,Q#P#Q&P-Q#P&Q&O&Q#P#P#Q#O$P$P&P&Q$P#Q#O&P&Q&O%O#P&P&Q&Q$P#Q#P%O#P&P&P#Q#Q#R#S"
+    "/R#S#S#R0S$R1R#R/P#Q#Q1R#R#R2R2R&SR1Q&S,R$Q&R*R&Q&R*Q&Q&R*R&R&S&S&S#O#N#M#M/O#N#O#N0N#N#N0O#N#O/O#N#N#N0O$NCN&N,NEN2M&M*"
+    "O$O#N#O&O*N&M&M&N&O&M&N&N&N&N&M&M&N]4P#O#O#N/P#O#O#O0O#O#N/P#O#O#O&O&P&P#O#O#N#O0N#O#O&O,O$N&O,O#O#O&O&O&P#O#O#N#N2N&O.N"
+    "&O*O%O#O&N&O&P#P#O#P#O%O#N%O#P#P#P#O#O$O#N#N%N#N&N&O$O#O#O&M&N&O$O#O#O%O#N%P#O%P#O#O#Q#Q#Q0P#O#Q0Q#R#Q0Q#R#R&Q,P$P2P2P2Q"
+    "&P&Q&R6Q2P2Q&R&R&R$P#Q#Q&Q&Q&Q&Q&P&Q&R&P&R&R&R$P#P#Q&R&R&R#N#M#M#M0N$L2K0L#L#L&L,LR'L&L&L&MR)K&L&K&K&L&M&K&L&L&K&L&L&L&L"
+    "&L&L%M#K&J&J&K#Q#REQ2RR5SR5R&S.Q.R&R&S*R&Q&S*T%P#R&S&S&SR)QT7QCQ&Q&Q&R&QR)NR5OR5N.N&O.O&O.O&O.N&N&N&N&NVBNWGO#P#PR5P&P*Q"
+    "R)O&O*P&P+Q%O&N.O&O.O&O&N&O&PR)UT+T.T2T2T&R&S&T&UR)KT+K.J2L2M&I&J&I&JR)RU.P&P&R&RR)PT+Q.O2Q2Q&P&P&P&PR)MT+M.M2M2M&L&L&L&"
+    "LR)OR5PRFO.P2P2P&P&P&O&PWIQT+P.NGO&O&O&PR)VT7UGT&T&S&WR)JU.I&L&L&JV5P.TR)ST7RGQ&Q&R&RR)LU.L.MR&O%OT(P%O+O%O2O2O&O&O&O&OV"
+    "CRR(QT7OGO.QR)WU.T.XR)KU.H.JWISU.S.SR)MU.L.L#OR%N%OT(P%P.ODN%O&O&P&OVCSR%V%PT(V%PR%N.Q#WR(XU.U.Y#QR%S%JU.H.KVCTR(TU.R.T#"
+    "PR(MU.K.L#PR%P$Q#OT(P%O+O%ODP%O.O(Q#Q#P#P#P#P$P=P$P$Q@M#L#M$M=M$M$M@Q$R$Q=Q$Q$QS%P$P$Q=P$P$Q$Q=S$S$S=S$R$R@M$N$O=M$N$OT8"
+    "N$O$P$O;N$O$P$R=Q$R$Q$P;R$Q$Q$R=J$K$L=J$K$L$M=T$R$R=T$R$R@Q$Q$Q=Q$Q$Q@N$N$O=M$N$O$P@MBM$NS%N$O$P$P;N$O$P$Q=U$U$T$T=U$S$T"
+    "=I$I$K$L=I$J$M=R$R$Q@R$P$Q=Q$P$P$P=Q$P$Q=L$L$M$O=L$M$M=P$P$O$O=P$P$OS%P$P$P=O$P$Q$T=X$W$V=V$V$T@I$I$K@I$L$Q@TBR$Q@R$R$Q="
+    "S$R$R@K$L$N@L$N@O$O$O=O$O$O$PS%P$P@P$P$T@Y$V@W$VBH$K@I$J$PR3QBT$S@S$SBK$M@L$M$O=P$O$O#M#O=O$O$OS%O$P$Q$Q=P$Q$T@Y$X@W$VBH"
+    "$K@I$M$QS%U$T@R$RBL$M@L$N@O$O#O#O#O#O#O#P;O$P$P$P1L#L#R#R%P#P#T#T#L#L'N#M#Q#Q#J#K#T#T%N#NR8F#G#H#I#J#J#K#L#L#L#N#N#N#N#N"
+    "#O$G#H#H#J#J#J#K#K#L#M#M#M#M#N&H#I#J#J#K#L#M#M#M#M#N#N(J#K#K#L#M#M#N#N#N#O*K#L#L#M#N#N#O#O,L#M#N#N#O#O.N#N#O#O0O#OT#L#K#"
+    "L#M#M#M#M#M#P#N#P#O#P#P#P#P$L#L#M#M#M#M#N#O#N#N#O#O#O#P&M#M#N#N#O#O#O#P#P#P#P#P(N#N#N#O#P#P#P#Q#P#Q*O#O#P#P#Q#Q#Q#Q,P#P#"
+    "Q#Q#R#R.Q#Q#R#R0Q#RT#O#O#O#O#O#O#O#N#P#O#O#N#N#M#M#M$O#O#O#P#P#P#O#P#O#O#N#N#M#L#L%P#P#P#P#P#P#P#P#O#N#M#L#K#K&P#P#P#P#P"
+    "#P#O#N#M#K#J#J#J'Q#P#P#P#P#O#L#K#J#J#J#J(P#P#O#N#M#J#J#J#I#H#I)O#N#M#J#I#I#I#I#I#H*L#I#I#I#I#I#I#G#H+I#J#I#I#I#I#H#H,I#H"
+    "#G#H#H#H#G-I#H#G#H#H#G.I#I#G#G#G/J#H#G#F0H#F#F1H#D2Ei'O1P#Q0P#P0O#P0O#O0O#O0O#O/O#O#O1NT2P1P#P0O#O0O#N0O#O/O#N#N/O#N#N0N"
+    "#NTBO1O#P0N#O0N#N0N#N/N#N#N0N#M1NTBO1N#N0M#N0M#M/N#M#M/M#M#N0M#MU#M1M#M0M#M0M#M/M#M#M0M#M1MU#L1L#L0L#L0L#L/M#L#L0M#LU2L1"
+    "L#L0L#K0L#K0L#K1LU1M#K1K#J0K#K0K#K0K#KUBK1J#J0K#J0J#J1KUBI1J#I0J#J0J#JV#I1I#I0I#I1JV#I1H#G0I#H#G1H#G2Fi'P1P#Q0R#Q0P#Q0R#"
+    "P0R#R0P#Q0P#Q1QT2Q1Q#Q0Q#Q0Q#P0Q#Q0Q#Q0Q#Q0Q#QTBQ1P#P0Q#Q0Q#Q0P#Q0Q#Q0Q#Q1PTBQ1P#P0Q#P0P#P0P#P0P#O0P#PU#P1O#P0P#P0P#O0P#"
+    "O0P#P1PU#P1O#O0P#O0O#O0O#O0P#OU2O1O#N0O#O0O#O0O#O1NU2O1N#N0N#N0O#O0O#OUBM1N#M0N#N0O#N1NUBM1M#M0N#N0N#NV#M1M#M0N#M1NV#L1M"
+    "#L0M#M#L1L#K2M#E#D#F#G#G#H#G#I#H#I#J#K#J'G#F#G#G#G#H#H#G#I#J#K)I#G#G#G#H#H#H#I#J+I#H#G#H#H#I#J-I#H#H#H#J/I#H#I1KTBL#L0J#"
+    "K0J#K0I#J0J#J0I#I0H#ITBL#M0K#L0K#K0J#K0J#K0J#J0I#J1JT2M#M0L#L0K#L0K#K0J#K0J#J0I#J0I#IT2M1L#L0K#L0L#L0K#L0K#L0K#L0J#L1KT2"
+    "M1M#M0M#N0M#M0N#N0N#N0N#O0N#NTBN1N#N0N#N0O#O0O#O0O#O0O#O1PTBN1N#N0O#O0P#P0P#P0P#P0P#PU#O1P#O0P#P0P#P0P#P0P#P1PU#O1P#P0P#"
+    "P0P#P0P#P0P#QU2P1P#P0P#P0P#P0Q#P1QU1O#P1O#O0P#P0P#P0Q#PU1N2O1P#O0P#P0P#P1PUBO1P#P0P#P0P#PV#O1P#O0P#P1PV#O1P#O0O#O#O1O#O2"
+    "ORW,P(O(N(N0P(O(N(N0O(N(N(N0O(N(M(N0O(N(N(N0O(N(M(N0N(M(M(M0N(M(M(N0N(M(L(M0M(L(L(N0M(L(L(M0L(L(L(M0L(L(L(M0K(K(L(L0K(K("
+    "K(M0K(K(K(L0J(J(K(K0J(J(K6J(J(J6I(I(J6I(I(J6I(I(I6J(H(I6G(G(G(JnFR#Q#Q&P#P;Q#Q#Q%Q#Q#P#Q&P6R#R#Q#P$Q#P#Q#Q&O6Q#R#Q#Q$R#Q"
+    "#P#P%P#P6R#Q#Q#P$Q#Q#P#P%Q#P6Q#Q#Q#P$Q#P#Q#O%P#P6Q#Q#P#P$Q#P#P#P%P#P6Q#Q#P#P$P#P#P#P&P6P#P#P#P$Q#P#O#P&O6P#P#P#P$Q#O#P#O"
+    "&P6P#P#O#P$P#O#O#P&O6O#O#O#P$Q#O#O#P&O6P#P#O#O$P#O#O#O&O6O#O#O#O$O#N#O#O&O6O#O#O#P$O#O#O#O&O6O#N#N#N$N#N#N#O&N6O#N#O#N%O"
+    "#N#O&N6O#N#M#N%N#N#N&O6N#N#M#N%N#M#M&N6M#M#N&N#N'N6M#M#N&N#M#N:N#M#M&M#M;N#M#M&M#M;L#L#L#L$L#L#K#M%M#M#MY.O#PBO#QBO#P'P<"
+    "O#O'O<O#O'O<N#O'O<N#O&O#N<N#O'O<N#O&N#P<N#O'N<N#N&O#N<M#N&N#N<M#N&O#O<M#N&N#N<M#M&N#N<M#N'N<M#N'M<M#N'M<M#M'M<L#N'M<L#L#"
+    "M%L#M#L&Ni+I#F#G#F%I#H#F'I6H#I#I%K#J#J;I#I#J%K#K#K;I#I#I%K#J#K:J#I#J#J%L#K#K:J#I#J#K%L#K#K:J#J#J#K%K#L#L:I#J#K#L%K#K#L:J"
+    "#K#K#L$L#K#L#M&K#L5K#L#L#L$L#L#L#L&M#M5M#M#M#M%N#M#M&M6M#N#N#M%N#N#M&M6N#O#N#M%O#N#N&N6O#O#O#N%P#O#N:P#P#O#N%P#P#O:P#P#P"
+    "#O%P#P#O:P#P#P#P%P#P#O:O#P#P#O%P#Q#P:P#P#P#O%P#P#P:P#P#P#P%Q#P#P:O#P#P#P%P#Q#P;P#P#P%P#P#P:P#P#P#P%P#Q#P:P#P#P#O%O#P#P;P"
+    "#P#P%P#Q#P;O#P#P%P#P#Q;P#P#P%P#P#P;O#P#P%P#P#P;N#O#P%O#P#P;O#O#P%O#O#P;O#O#P%P#P#P:P#O#O#O%N#O#O&N#O7K#JSHO#OBP#OBO#NBO#"
+    "OAO#N#N&P#P;N#O#N&P<O#N#N&P#O;N#N#N&P<M#N#N&P<M#N#N&P#O;N#M#O&P<N#N#N&Q<L#N#N&O<M#N#N&P#P;N#N#O&P#P;M#N#O&P<N#N#O&P=N#O&"
+    "N=N#O&O<M#O#O&Q=N#O&O=N#OBN#OBN#OBO#P&O#P<O#O'O<O#OAO#O#O%P#O#O9W#U#P#K#H#JBW#U#P#I#HCW#T#O#I#HCW#S#O#I#GCX#S#N#I#FCX#T#"
+    "N#I#GCY#U#O#I#FCZ#V#Q#J#FC[#W#S#K#F#IB]#Y#U#O#HC^#Z#W#R#J#IBZ#Y#W#R#NCX#VV<Z#T#NEJ#I#I#KDM#J#G#IDP#K#H#HDQ#L#H#IDS#N#I#I"
+    "DT#O#K#JDV#R#L#JDW#S#N#LDX#T#QYEKGE#F#IEI#G#GEK#H#HEM#J#HEO#K#IEP#M#KEQ#N#LER#PFRYGGbGW#U#O#J#JCX#U#N#H#ICX#T#N#H#HCX#T#"
+    "O#H#ICX#T#N#H#GCX#T#N#H#FCX#T#O#H#ECX#U#P#I#ECX#U#Q#J#F#HBY#V#R#M#G#IBZ#W#S#O#I#IBZ#W#T#Q#M#IBY#V#T#R#NCW#V#SUEZ#T#NEK#I"
+    "#I#JDM#J#H#JDN#J#G#KDO#K#G#JDQ#M#H#IDR#N#J#JDS#O#K#JDS#P#M#KDT#Q#M#LDT#Q#OET#QX*KGG#G#I#JDJ#H#IEL#I#IEM#J#JEO#K#IEP#M#KE"
+    "Q#N#JER#P#MER#PYFGbGX#T#O#I#F#FaKL#K#I#JDL#J#H#JDL#J#H#IDN#L#J#IDP#M#L#JDT#P#L]ND#FFJ#F#HEO#L#HEQ#Q#N#HDR#RUFF#F#EEK#G#G"
+    "EP#L#GER#R#MRn;Y#X#S#MDX#V#Q#LDX#U#P#KDX#T#Q#KDW#T#PT)^#Z#T#N#JCZ#V#R#K#JCY#V#Q#J#ICY#U#Q#K#ICX#U#Q#KDW#U#Q#KDW#U#Q#LR:^"
+    "#Y#S#M#ICZ#W#Q#K#GCZ#V#Q#J#GCY#U#P#K#FCY#U#Q#K#HCY#U#Q#KDX#V#Q#KR:[#X#R#L#ICZ#V#P#J#HCY#U#P#J#GCY#U#P#J#HCY#U#P#K#HCX#U#"
+    "P#K#JCX#T#P#KR:Y#V#P#J#ICY#U#O#J#HCX#U#O#J#HCX#T#O#J#HCX#T#O#J#ICW#T#P#JDW#S#O#JR:Y#U#O#J#ICX#T#O#I#ICX#T#O#I#JCW#T#O#K#"
+    "ICW#S#O#JDW#S#O#KDV#S#O#LR:X#T#N#IDW#T#O#J#ICX#T#N#J#KCW#S#O#JDW#S#N#JDV#R#O#JDW#Q#O#MR:W#S#N#KDW#S#O#JDV#T#O#KDV#S#O#JD"
+    "V#R#O#LDV#R#OEV#RR<V#T#P#IDU#T#N#LDU#T#NEW#T#OETT+RGS#PV<Q#N#IV;W#T#Q#L#JR_0LGL#MFL#LFLGMT+L#MFL#L#LEL#K#KEL#KFL#KFL#KFN"
+    "#MR<M#M#LEL#L#KEL#K#IEL#J#JEM#K#JEM#KFM#KR<M#L#KEM#L#K#KDM#K#JEM#K#JEM#K#IEM#K#JEN#KR<M#L#KEM#L#K#LDM#L#JEM#K#IEM#K#JEM#"
+    "L#KEM#KR<L#L#KEL#L#JEM#K#IEM#L#IEN#K#JEN#LFN#LR<M#L#IEL#K#JEM#K#IEN#K#KEM#KFM#KFO#KR<L#KFM#M#JEM#L#KEN#KFN#MFO#JFPR=N#OF"
+    "M#NFO#KFPGPT+KGMV=J#KV<M#L#LR_2HGGGHGHGIT+H#MFG#KFG#IFG#JFHGHGIR=H#LFH#J#LEH#IFH#HFH#JFH#JFI#JR<H#JFH#J#JEH#I#KEH#IFI#IF"
+    "J#IFI#IR<H#L#LEH#J#JEI#I#JEI#IFI#IFJ#JFJ#JR<G#KFH#J#KEI#IFI#IFJ#IFJ#JFK#JR<G#JFH#KFH#IFI#HFJ#HFK#JFKR=G#JFI#JFI#JFJ#JFL#"
+    "HFKGNR=JGJGJGJGLT+HGIV=EV=H#MS~3P=O+P+Q+O%P%O%R%Q%Q%M%O%MR$O*M#O#N(J#M#N(J#M#OVHM*K#N#N(M#OW#M*K#N",
+    "HGEJQQQQKLJSQQQQJKJOQQQQQQQQQQQQKJJMQQQQNNNQQQQQMMNQQQQQQQQQQQQQQQQQQQQQJIIOQQQQLKKOQQQQNNOTQQQQONOQQQQQOOOOQQQQNNNPQQQQ"
+    "QQQQQQQQQQQQQQQQMLLMQQQQPOPQQQQQPPQSQQQQPPPPQQQQNNNNQQQQOOOPQQQQLLLMQQQQQQQQQQQQNONNQQQQQQPQQQQQQQPQQQQQQQQQQQQQOOOPQQQQ"
+    "PPPPQQQQKKKLQQQQQQQQQQQQOPOOQQQQQQQQQQQQQQQQQQQQQQQQQQQQPPPPQQQQPPPPQQQQKLKLQQQQQQQQQQQQOPOPQQQQQQQQQQQQQQQQQQQQQQQQQQQQ"
+    "PPPPQQQQPQPQQQQQIKIJQQQQUUUUUUUUUUUUMLPPMQRNQRPQSPRTQRTRSTRSTSSUTSUTSTTUUUUUUUUUUUUURQRRPPQPPQPORPPRPPSQPSRPTRQTSRTSRSSR"
+    "SSXSQSQOQPMOOMNPONQPOQOOQPORPORPORQPSPPRQPSQPONMNLOLNILKQKLIQROMQRRPQQRQQQRQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQ"
+    "QQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQXOMFRQOKQQQORRRQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQ"
+    "QQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQHYGRQTOQQRQQQRQQQQQQQQQ"
+    "QQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQ"
+    "QQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQQ"
+    "QQQQQQQQQQQQQQQQQQQQQQQQ",
+    &compact_photographs_1};
 
 }  // namespace hmesh
 

@@ -1,4 +1,4 @@
-#include "hmesh/io/compact/color_choice.hpp"
+#include "hmesh/io/compact/colors/color_choice.hpp"
 
 #include <doctest/doctest.h>
 

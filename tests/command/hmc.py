@@ -53,21 +53,35 @@ TABLES = [((48, 4, 4, 4, 4), lambda kind, *rest: (kind, 1, *rest)),
           ((4, 36, 8), lambda *rest: ("digit", *rest))]
 
 
-def read_table():
-    """The contexts of the start table 1, and with what they begin."""
-    header = Path(__file__).parent.parent.parent / "include" / "hmesh" / "io" / "compact" / "photographs.hpp"
-    text = "".join(re.findall('^    "(.*)"', header.read_text(encoding="ascii"), re.M))
+# The sets of weights that a start table counts through, and how many each has.
+SETS = [((48, 2), 4, lambda kind, is_deep: ("sites", kind, is_deep == 1)),
+        ((3, 16), 3, lambda phase, slack: ("flips", phase + 1, slack)),
+        ((4, 36), 4, lambda c, k: ("colors", c, k))]
+
+
+def read_table(table):
+    """The contexts of a start table, and the sets of weights, and with what they begin."""
+    header = f"photographs{'_1' if table == 1 else ''}.hpp"
+    text = (Path(__file__).parent.parent.parent / "include" / "hmesh" / "io" / "compact" / header).read_text(encoding="ascii")
     symbols = [c for c in map(chr, range(35, 127)) if c not in "?\\"]
     places = [name(*index) for sizes, name in TABLES for index in product(*map(range, sizes))]
-    contexts, at, passed = {}, 0, 0
-    numbers = iter([symbols.index(c) for c in text])
+    texts = ["".join(re.findall('"(.*)"', part)) for part in re.findall('(?:^    ".*"\n)*^    ".*",?', text, re.M)]
+    assert len(texts) == table
+    contexts, at, passed, weights = {}, 0, 0, {}
+    numbers = iter([symbols.index(c) for c in texts[0]])
     for number in numbers:
         passed = 45 * passed + number % 45
         if number < 45:
             at += passed
             contexts[places[at]] = (64 * probability(64 * (next(numbers) - 44)), 24)
             at, passed = at + 1, 0
-    return contexts
+    if table == 2:
+        numbers = iter([1024 * (symbols.index(c) - 24) for c in texts[1]])
+        for sizes, count, name in SETS:
+            for index in product(*map(range, sizes)):
+                weights[name(*index)] = [next(numbers) for _ in range(count)]
+        assert next(numbers, None) is None
+    return contexts, weights
 
 
 class Code:
@@ -288,7 +302,61 @@ def coarse_step(points, apex, v, mean, share, step):
     return max(1, step * isqrt(ratio) * share // 256)
 
 
-def read_colors(code, points, apex, used, channels, most, is_float, color_step, mean):
+class ByArea:
+    """What colours are foretold as by area."""
+
+    def __init__(self, points, apex, used, one, is_rgb, area):
+        self.points, self.apex, self.used, self.is_rgb, self.unit = points, apex, used, is_rgb, area // 2**29 + 1
+        self.like = max(1, one // 64)
+        self.slopes = {pair: [0, max(1, (one // 13)**2)] for pair in [(1, 0), (2, 0), (2, 1)]}
+
+    def shared(self, u, v):
+        beside = [self.apex.get(edge) for edge in [(u, v), (v, u)]]
+        areas = [abs(turn(self.points[u], self.points[v], self.points[c])) for c in beside if c is not None]
+        return sum(areas) // self.unit + 1
+
+    def look(self, v, edges, planes, missed, channels, last):
+        self.near = []
+        for u in (u for u in edges[v] if self.used[u]):
+            known = [(u, 1)] if u < v else [(t, self.shared(t, u)) for t in edges[u] if t < v and self.used[t]]
+            total = sum(w for _, w in known)
+            if total:
+                means = [[sum(w * of[t, c] for t, w in known) // total for c in range(channels)] for of in (planes, missed)]
+                self.near.append((self.shared(u, v), *means))
+        if not self.near and last is not None:
+            self.near = [(1, *([of[last, c] for c in range(channels)] for of in (planes, missed)))]
+
+    def mean(self, c):
+        return (sum(w * numbers[c] for w, numbers, _ in self.by) + self.total // 2) // self.total
+
+    def foretell(self, c, v, planes, first, top):
+        """The guess, the sum of weights, and the sums of weight times what neighbours are off the guess, and were missed by."""
+        self.by = self.near
+        if self.is_rgb and c in (1, 2):
+            self.by = [(max(1, 16 * w * self.like // (self.like + abs(numbers[0] - planes[v, 0]))), numbers, off)
+                       for w, numbers, off in self.near]
+        self.total = sum(w for w, _, _ in self.by)
+        if not self.by:
+            return first, 0, 0, 0
+        guess = self.mean(c)
+        for k in range(c if self.is_rgb and c < 3 else 0):
+            a, b = self.slopes[c, k]
+            guess += toward0(a * (planes[v, k] - self.mean(k)), b)
+        guess = max(0, min(guess, top))
+        return (guess, self.total, sum(w * abs(numbers[c] - guess) for w, numbers, _ in self.by),
+                sum(w * off[c] for w, _, off in self.by))
+
+    def learn(self, c, v, planes):
+        e = planes[v, c] - self.mean(c) if self.by else 0
+        for k in range(c if self.by and self.is_rgb and c < 3 else 0):
+            slope, r = self.slopes[c, k], planes[v, k] - self.mean(k)
+            told = toward0(slope[0] * r, slope[1])
+            slope[0] += r * e - toward0(slope[0], 512)
+            slope[1] += r * r - slope[1] // 512
+            e -= told
+
+
+def read_colors(code, points, apex, used, channels, most, is_float, color_step, mean, area):
     edges = {v: set() for v in range(len(points))}
     for a, b in apex:
         edges[a].add(b)
@@ -298,6 +366,7 @@ def read_colors(code, points, apex, used, channels, most, is_float, color_step, 
         order = [channels - 1, *order[:-1]]
     is_rgb = channels > 2 and not is_float
     planes, missed, colors, last = {}, {}, {}, None
+    by_area = ByArea(points, apex, used, 4080 if color_step else most, is_rgb, area) if area else None
     for v in (v for v in range(len(points)) if used[v]):
         near = []
         for u in edges[v]:
@@ -307,9 +376,11 @@ def read_colors(code, points, apex, used, channels, most, is_float, color_step, 
         nearest = min((d for _, d in near), default=2**26)
         unit = 64 if most >= 131072 else 4096
         near = [(u, max(1, unit * nearest // d)) for u, d in near]
-        if not near and last is not None:
+        if not near and last is not None and not area:
             near = [(last, 1)]
         total = sum(w for _, w in near)
+        if area:
+            by_area.look(v, edges, planes, missed, channels, last)
         sizes, signs = [0, 0], [0, 0]
         for c in order:
             is_difference = is_rgb and c in (1, 2)
@@ -318,15 +389,19 @@ def read_colors(code, points, apex, used, channels, most, is_float, color_step, 
             if color_step:
                 top, first = 16383, 8192 if is_difference else 2048
                 step = coarse_step(points, apex, v, mean, (10, 12, 7, 17)[c if is_rgb else 3], color_step)
-            guess = (sum(w * planes[u, c] for u, w in near) + total // 2) // total if near else first
+            if area:
+                guess, total, spread, off = by_area.foretell(c, v, planes, first, top)
+            else:
+                guess = (sum(w * planes[u, c] for u, w in near) + total // 2) // total if near else first
+                spread = sum(w * abs(planes[u, c] - guess) for u, w in near)
+                off = sum(w * missed[u, c] for u, w in near)
 
             def level(x):
-                if not near:
+                if not total:
                     return 19
                 x = x // (total * step // 4 + 1)
                 return min(18, x if x < 2 else 2 * x.bit_length() - 2 + (x >> (x.bit_length() - 2) & 1))
-            spread = level(sum(w * abs(planes[u, c] - guess) for u, w in near))
-            off = level(sum(w * missed[u, c] for u, w in near))
+            spread, off = level(spread), level(off)
             other = (min(9, sizes[0]), sizes[1] > sizes[0])
             place = (min(19, nearest.bit_length()), min(7, len(near)))
             size = 0
@@ -344,6 +419,8 @@ def read_colors(code, points, apex, used, channels, most, is_float, color_step, 
             planes[v, c] = guess + step * (value if sign == 1 else -value)
             assert 0 <= planes[v, c] <= top
             missed[v, c] = step * value
+            if area:
+                by_area.learn(c, v, planes)
             sizes, signs = [size, sizes[0]], [sign, signs[0]]
         color = [planes[v, c] for c in range(channels)]
         if color_step:
@@ -404,8 +481,8 @@ def read_compact(data, is_bare=False, size=None):
     left, top, w, h = frame or (0, 0, 256 * (width - less), 256 * (height - less))
     columns, rows = -(-w // step), -(-h // step)
     code = Code(data[at:])
-    assert table in (0, 1)
-    code.contexts = read_table() if table else {}
+    assert table in (0, 1, 2)
+    code.contexts, code.weights = read_table(table) if table else ({}, {})
 
     inside = code.bits(5)
     inside = (1 << (inside - 1) | code.bits(inside - 1)) if inside else 0
@@ -432,7 +509,8 @@ def read_compact(data, is_bare=False, size=None):
         faces = [face for face in faces if shown[face[:2]]]
     used = [not has_mask or any(v in face for face in faces) for v in range(len(points))]
     largest = (255, 65535, 2**32 - 1)[kind]
-    colors = read_colors(code, points, apex, used, channels, largest, kind == 2, color_step, 1536 * w * h // len(points))
+    area = 2 * w * h if table == 2 else 0
+    colors = read_colors(code, points, apex, used, channels, largest, kind == 2, color_step, 1536 * w * h // len(points), area)
     number = {v: i for i, v in enumerate(sorted(colors))}
     return ((width, height, channels),
             [(points[v][0] + left, points[v][1] + top, *colors[v]) for v in sorted(colors)],

@@ -171,7 +171,7 @@ class CompactWriter {
         }
         ArithmeticCoder coder(out);
         constexpr std::size_t any = std::numeric_limits<std::size_t>::max();
-        if (const Status status = code_body(coder, head_, body_, any, options.table); !status) return status;
+        if (const Status status = code_of(options.table)(coder, head_, body_, any, options.table, {}); !status) return status;
         // Points and colours are what they are; the flips were found elsewhere than they were told.
         HMESH_ASSERT(body_.faces == wanted);
         if (body_.faces != wanted) return {Errc::invalid_argument, "the flips of a compact file do not lead to the mesh"};
@@ -452,7 +452,8 @@ class CompactWriter {
 [[nodiscard]] inline Status get_compact(ByteReader& in, CompactHead head, const ToldSize* bare, const CompactLimits& limits,
                                         const CompactTable* table, CompactMesh& out) {
     if (const Status status = bare != nullptr ? get_bare_head(in, *bare, head) : get_head(in, head); !status) return status;
-    if (head.table != 0 && (table == nullptr || table->number != head.table))
+    const CompactTable* const own = head.table == 0 || table == nullptr ? nullptr : table->find(head.table);
+    if (head.table != 0 && own == nullptr)
         return {Errc::invalid_argument, "the compact mesh begins with a start table that its reader was not given, number",
                 head.table, table == nullptr ? 0 : table->number};
     const std::int64_t pixels = std::int64_t{head.width} * head.height;
@@ -461,7 +462,7 @@ class CompactWriter {
     ArithmeticCoder coder(in.next(), in.left());
     CompactBody body;
     const auto most = static_cast<std::size_t>(limits.max_vertices);
-    if (const Status status = code_body(coder, head, body, most, head.table == 0 ? nullptr : table); !status) return status;
+    if (const Status status = code_of(own)(coder, head, body, most, own, {}); !status) return status;
     if (!coder.is_at_end()) return {Errc::invalid_argument, "the compact mesh does not end where its bytes do: it is damaged"};
     out.linear = head.linear;
     out.colors = head.colors;

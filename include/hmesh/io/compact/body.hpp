@@ -12,7 +12,8 @@
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
-#include "hmesh/io/compact/colors.hpp"
+#include "hmesh/io/compact/colors/color_coder.hpp"
+#include "hmesh/io/compact/colors/foretelling.hpp"
 #include "hmesh/io/compact/container.hpp"
 #include "hmesh/io/compact/faces.hpp"
 #include "hmesh/io/compact/flips.hpp"
@@ -88,12 +89,13 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     }
 }
 
-/// Writes or reads a body, from the start that `table` gives, null: from nothing. Where it is read, more points than
+/// Writes or reads a body, from the Start that `table` gives, its colours by this Foretelling. Where it is read, more points than
 /// `most_points` are refused before there is memory for them; what passes are the faces of a triangulation and colours that there
 /// are.
-/// learnt(), where set, is called with the contexts of each coder when all is coded, in the order of the table.
-[[nodiscard]] inline Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points,
-                                      const CompactTable* table, FunctionRef<void(const ContextTables&)> learnt = {}) {
+/// hear(), where set, is called with what each coder knows when all is coded, in the order of the table.
+template <class Start = EmptyStart, class Foretelling = DistanceForetelling>
+[[nodiscard]] Status code_body(ArithmeticCoder& coder, const CompactHead& head, CompactBody& body, std::size_t most_points,
+                               const CompactTable* table, HearLearnt hear) {
     const Status early(Errc::invalid_argument, "the compact mesh ends early or is damaged");
     const auto lattice = lattice_of(head);
     std::array<std::uint32_t, 5> counts{};
@@ -112,24 +114,24 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
 
     body.ends[0] = coder.position();
     const Logistic logistic;
-    StartTable begin(table);
+    Start start(table, hear);
     {
         SiteCoder sites(coder, logistic);
-        begin.start(sites.contexts());
+        start.begin(sites);
         for (std::size_t k = 0; k < 5; ++k) {
             const std::uint32_t width = k < 4 ? lattice[k % 2] - 1 : lattice[0] - 1, height = k < 4 ? 1 : lattice[1] - 1;
             if (!sites.code(width, height, counts[k], body.sites[k])) return early;
         }
-        if (learnt) learnt(sites.contexts());
+        start.end(sites);
     }
     body.ends[1] = coder.position();
     const std::vector<GridPoint> points = points_of(head, body);
     Triangulation mesh(points);
     {
         FlipCoder flips(coder, logistic);
-        begin.start(flips.contexts());
+        start.begin(flips);
         if (!flips.code(mesh, body.flips)) return early;
-        if (learnt) learnt(flips.contexts());
+        start.end(flips);
     }
     body.ends[2] = coder.position();
     body.faces = all_faces(mesh);
@@ -145,12 +147,20 @@ inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& co
     body.colors.resize(channels * points.size());
     body.coarse.step = head.color_step;
     body.coarse.mean_area = std::int64_t{head.frame_width} * head.frame_height * 1536 / static_cast<std::int64_t>(points.size());
-    ColorCoder colors(coder, logistic, channels, head.most_color(), body.coarse);
-    begin.start(colors.contexts());
+    const std::int64_t most = head.most_color();
+    const ColorNumbers numbers{channels, most, head.color_step > 0, channels >= 3 && most < 65536,
+                               2 * std::int64_t{head.frame_width} * head.frame_height};
+    ColorCoder<Foretelling> colors(coder, logistic, points.size(), numbers, body.coarse);
+    start.begin(colors);
     if (!colors.code(mesh, body.used, body.colors)) return early;
-    if (learnt) learnt(colors.contexts());
+    start.end(colors);
     body.ends[4] = coder.position();
     return {};
+}
+
+/// How files with a table are coded; null: without one.
+[[nodiscard]] inline CompactTable::Code* code_of(const CompactTable* table) noexcept {
+    return table == nullptr ? &code_body<> : table->code;
 }
 
 }  // namespace hmesh::detail

@@ -99,7 +99,7 @@ class FlipCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&angles_, &shapes_, &near_}; }
+    [[nodiscard]] Learnt learnt() { return {{&angles_, &shapes_, &near_}, &mixer_.weights()}; }
 
   private:
     // All edges, each once, by the lesser of its points and then by the other.

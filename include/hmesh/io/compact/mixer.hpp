@@ -129,6 +129,8 @@ class Mixer {
         }
         return value;
     }
+    /// The weights, in 2^-16: of each set, one for each context.
+    [[nodiscard]] std::vector<std::int32_t>& weights() noexcept { return weights_; }
 
   private:
     [[nodiscard]] static int held(std::int64_t s) noexcept {

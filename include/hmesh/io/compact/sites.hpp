@@ -134,7 +134,7 @@ class SiteCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&neighbors_, &wide_, &far_, &depth_, &inner_}; }
+    [[nodiscard]] Learnt learnt() { return {{&neighbors_, &wide_, &far_, &depth_, &inner_}, &mixer_.weights()}; }
 
   private:
     static constexpr std::size_t kinds = 48;  // of decisions, see kind_of()

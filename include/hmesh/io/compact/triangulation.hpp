@@ -272,6 +272,12 @@ class Triangulation {
     Index free_ = none;
 };
 
+/// Twice the area of the triangle that an edge is a side of; beyond the border 0.
+[[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
+    const Triangulation::Index c = mesh.apex(e);
+    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+}
+
 }  // namespace hmesh::detail
 
 #include "hmesh/core/macros/pop.hpp"

@@ -8,8 +8,8 @@
 /// they were foretold themselves, by their distance, and by the channels before.
 ///
 /// Cost: O(n), some 150 ns a number.
-#ifndef HMESH_IO_COMPACT_COLORS_HPP
-#define HMESH_IO_COMPACT_COLORS_HPP
+#ifndef HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP
+#define HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP
 
 #include <algorithm>
 #include <array>
@@ -20,7 +20,8 @@
 #include <vector>
 
 #include "hmesh/io/compact/arithmetic_coder.hpp"
-#include "hmesh/io/compact/color_choice.hpp"
+#include "hmesh/io/compact/colors/color_choice.hpp"
+#include "hmesh/io/compact/colors/foretelling.hpp"
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
@@ -96,29 +97,27 @@ struct CoarseColors {
     }
 };
 
-/// Codes colours. `channels` numbers a vertex, interleaved.
+/// Codes colours. `channels` numbers a vertex, interleaved. `Foretelling` is one of foretelling.hpp.
+template <class Foretelling>
 class ColorCoder {
   public:
-    /// With the coder that it writes to or reads from, which outlives it, as the tables and `coarse` do. Numbers are 0 to `most`,
-    /// below 2^32, of coarse colours 255.
-    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t channels, std::int64_t most, CoarseColors& coarse)
-        : coder_(&coder), coarse_(&coarse), channels_(channels), most_(most), sizes_(logistic, 4 * steps, 21845),
-          spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20), place_(steps * 4 * 20 * 8),
-          signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
+    /// Of a triangulation of n points, with the coder that it writes to or reads from, which outlives it, as the tables and
+    /// `coarse` do.
+    ColorCoder(ArithmeticCoder& coder, const Logistic& logistic, std::size_t n, const ColorNumbers& numbers, CoarseColors& coarse)
+        : coder_(&coder), coarse_(&coarse), channels_(numbers.channels), most_(numbers.most), foretelling_(n, numbers),
+          sizes_(logistic, 4 * steps, 21845), spread_(steps * 4 * 20), misses_(steps * 4 * 20), others_(steps * 4 * 20),
+          place_(steps * 4 * 20 * 8), signs_(std::size_t{4} * 9 * 3), digits_(steps * 4 * 8) {}
 
     /// Codes the colours of those vertices that are `used`; others are left as they are. False: what is read ended before, or is
     /// no colour.
     bool code(const Triangulation& mesh, const std::vector<bool>& used, std::vector<std::uint32_t>& colors) {
         const std::size_t n = mesh.point_count();
-        const bool is_rgb = channels_ >= 3 && most_ < 65536, has_alpha = channels_ % 2 == 0;
-        planes_.assign(n * channels_, 0);
-        missed_.assign(n * channels_, 0);
-        const bool is_coarse = coarse_->step > 0;
+        const bool is_rgb = channels_ >= 3 && most_<65536, has_alpha = channels_ % 2 == 0, is_coarse = coarse_->step> 0;
         if (is_coarse && coder_->writes()) choice_ = ColorChoice(mesh, used, coarse_->wanted, channels_);
         std::size_t last = n;  // the vertex coded before
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
-            find_neighbors(mesh, used, v, last);
+            foretelling_.look(mesh, used, v, last);
             if (is_coarse) find_area(mesh, v);
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
@@ -141,7 +140,7 @@ class ColorCoder {
                 if (got < 0) return false;
                 truth[channel] = got;
             }
-            for (std::size_t k = 0; k < channels_; ++k) planes_[v * channels_ + k] = static_cast<std::uint32_t>(truth[k]);
+            foretelling_.close();
             if (is_coarse && coder_->writes()) choice_.close(v);
             if (is_coarse) {
                 truth = CoarseColors::color(truth, is_rgb);
@@ -160,15 +159,11 @@ class ColorCoder {
     }
 
     /// What it has learnt.
-    [[nodiscard]] ContextTables contexts() { return {&spread_, &misses_, &others_, &place_, &signs_, &digits_}; }
+    [[nodiscard]] Learnt learnt() { return {{&spread_, &misses_, &others_, &place_, &signs_, &digits_}, &sizes_.weights()}; }
 
   private:
     static constexpr std::size_t steps = 36;  // of the number of digits of a difference
 
-    struct Neighbor {
-        std::size_t vertex;
-        std::int64_t weight;
-    };
     // What is coded of a vertex: a channel, its largest number, its step and what the first vertex is foretold as.
     struct Plane {
         std::size_t channel;
@@ -182,32 +177,6 @@ class ColorCoder {
             return {&of.spread_[spread + size], &of.misses_[misses + size], &of.others_[others + size], &of.place_[place + size]};
         }
     };
-
-    // The neighbours of v that were coded before it, and how much each counts: as the distance's reciprocal.
-    void find_neighbors(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
-        using Index = Triangulation::Index;
-        neighbors_.clear();
-        std::int64_t nearest = std::int64_t{1} << 26;
-        const auto at = static_cast<Index>(v);
-        const GridPoint p = mesh.point(at);
-        Index e = mesh.first(at);
-        for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
-            const std::size_t u = mesh.to(e);
-            if (u >= v || !used[u]) continue;
-            const GridPoint q = mesh.point(static_cast<Index>(u));
-            const std::int64_t dx = std::int64_t{p.x} - q.x, dy = std::int64_t{p.y} - q.y;
-            const std::int64_t x = dx < 0 ? -dx : dx, y = dy < 0 ? -dy : dy;
-            const std::int64_t distance = std::max(x, y) + 3 * std::min(x, y) / 8;  // within 7 % of Euclid's
-            nearest = std::min(nearest, distance);
-            neighbors_.push_back({u, distance});
-        }
-        // Of up to 2^24 neighbours sums stay below 2^62.
-        const std::int64_t one = most_ < 131072 ? 4096 : 64;
-        for (Neighbor& neighbor : neighbors_) neighbor.weight = std::max<std::int64_t>(1, nearest * one / neighbor.weight);
-        if (neighbors_.empty() && last < v) neighbors_.push_back({last, 1});
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(neighbors_.size(), 7);
-    }
 
     // Twice the area of the faces around v.
     void find_area(const Triangulation& mesh, std::size_t v) {
@@ -250,30 +219,21 @@ class ColorCoder {
                              std::array<std::size_t, 2>& turns) {
         const std::size_t channel = plane.channel;
         const std::int64_t most = plane.most, step = plane.step, first = plane.first;
-        std::int64_t sum = 0, weights = 0, missed = 0;
-        for (const Neighbor& neighbor : neighbors_) {
-            const std::size_t i = neighbor.vertex * channels_ + channel;
-            sum += neighbor.weight * std::int64_t{planes_[i]};
-            missed += neighbor.weight * std::int64_t{missed_[i]};
-            weights += neighbor.weight;
-        }
-        const std::int64_t guess = weights == 0 ? first : (sum + weights / 2) / weights;
-        std::int64_t spread = 0;
-        for (const Neighbor& neighbor : neighbors_) {
-            const std::int64_t off = std::int64_t{planes_[neighbor.vertex * channels_ + channel]} - guess;
-            spread += neighbor.weight * (off < 0 ? -off : off);
-        }
+        const Foretold foretold = foretelling_.foretell(channel, first, most);
+        const std::int64_t guess = foretold.guess;
         // Four times the mean, in steps and half powers of two.
         const auto level = [&](std::int64_t total) {
-            if (weights == 0) return std::size_t{19};
-            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (weights * step / 4 + 1))), 18);
+            if (foretold.weights == 0) return std::size_t{19};
+            return std::min<std::size_t>(half_digits_of(static_cast<std::uint64_t>(total / (foretold.weights * step / 4 + 1))),
+                                         18);
         };
-        const std::size_t spread_level = level(spread), missed_level = level(missed);
+        const std::size_t spread_level = level(foretold.spread), missed_level = level(foretold.missed);
         std::int64_t difference = truth - guess;
         const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         const std::size_t at = channel * 20 * steps;
         const Sizes sizes{at + spread_level * steps, at + missed_level * steps, at + other * steps,
-                          channel * 20 * 8 * steps + (distance_ * 8 + known_) * steps, channel * steps};
+                          channel * 20 * 8 * steps + (foretelling_.distance() * 8 + foretelling_.known()) * steps,
+                          channel * steps};
         if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess, sizes);
         // The number of digits of the difference, one by one.
         const std::size_t wanted = size_of(difference), largest = size_of(std::max(guess, most - guess) / step);
@@ -304,7 +264,7 @@ class ColorCoder {
             turn = is_below ? 2 : 1;
         }
         if (number < 0 || number > most) return -1;
-        missed_[v * channels_ + channel] = static_cast<std::uint32_t>(number > guess ? number - guess : guess - number);
+        foretelling_.note(channel, number, number > guess ? number - guess : guess - number);
         if (coarse_->step > 0 && coder_->writes()) {
             choice_.set(v, channel, static_cast<double>(number));
         }
@@ -323,17 +283,15 @@ class ColorCoder {
     CoarseColors* coarse_;
     std::size_t channels_;
     std::int64_t most_;
+    Foretelling foretelling_;
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
-    std::vector<std::uint32_t> planes_, missed_;
-    std::vector<Neighbor> neighbors_;
     ColorChoice choice_;
     std::int64_t area_ = 0;
-    std::size_t distance_ = 0, known_ = 0;
 };
 
 }  // namespace hmesh::detail
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_IO_COMPACT_COLORS_HPP
+#endif  // HMESH_IO_COMPACT_COLORS_COLOR_CODER_HPP

@@ -4,8 +4,8 @@
 /// A mesh whose colours are the best for its image, but for an error of each vertex, is off by a square of these errors that
 /// triangles tell: of two vertices, an integral of both their linear functions. Of what one vertex is off those not yet
 /// written make good what they can, so what is wanted of them is kept at the best that those before them leave.
-#ifndef HMESH_IO_COMPACT_COLOR_CHOICE_HPP
-#define HMESH_IO_COMPACT_COLOR_CHOICE_HPP
+#ifndef HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
+#define HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
 
 #include <algorithm>
 #include <cstddef>
@@ -19,12 +19,6 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::detail {
-
-/// Twice the area of the triangle that an edge is a side of; beyond the border 0.
-[[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
-    const Triangulation::Index c = mesh.apex(e);
-    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
-}
 
 /// What is wanted of each plane of each vertex, as vertices are written one after the other.
 class ColorChoice {
@@ -101,4 +95,4 @@ class ColorChoice {
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_IO_COMPACT_COLOR_CHOICE_HPP
+#endif  // HMESH_IO_COMPACT_COLORS_COLOR_CHOICE_HPP
