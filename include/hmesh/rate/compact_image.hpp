@@ -130,6 +130,7 @@ class CompactSearch {
     CompactSearch(const CompactReference<C>& image, const CompactImageOptions& options, const CompactLattice& lattice,
                   CompactRuns& runs, const ParallelFor& parallel_for)
         : image_(&image), options_(&options), lattice_(lattice), runs_(&runs), parallel_for_(&parallel_for) {
+        if (lattice.has_one_image) return;
         const double per_site = lattice.per_site;
         const auto step = [&](const LatticeAxis& axis) {
             return static_cast<double>(axis.step) / per_site * axis.size / static_cast<double>(axis.end);
@@ -159,7 +160,7 @@ class CompactSearch {
     /// becomes that. `best` becomes the file of least error found, if that is less than its own. Returns whether to go on.
     [[nodiscard]] bool fill(std::int64_t& n, std::uint32_t color_step, const Annealed& recipe, CompactImage& best) {
         const auto budget = static_cast<double>(options_->bytes);
-        std::int64_t below = 3, above = std::max<std::int64_t>(4, std::int64_t{pixels_.width()} * pixels_.height()) + 1;
+        std::int64_t below = 3, above = most_vertices() + 1;
         for (int run = 0; run < 8 && above - below > 1; ++run) {
             n = std::max(below + 1, std::min(above - 1, n));
             std::vector<std::uint8_t> file;
@@ -191,17 +192,21 @@ class CompactSearch {
     }
 
   private:
+    [[nodiscard]] ImageView<std::uint8_t, C> first_image() const noexcept {
+        return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
+    }
+    [[nodiscard]] std::int64_t most_vertices() const noexcept {
+        return std::max<std::int64_t>(4, std::int64_t{first_image().width} * first_image().height);
+    }
     /// Meshes the image with n vertices, less those that find no site on the lattice, with so many rounds there. Whether there is
     /// such a mesh.
     [[nodiscard]] bool mesh(std::int64_t n, const Annealed& recipe, int rounds, Status& status) {
-        const ImageView<std::uint8_t, C> pixels = pixels_.view();
-        const std::int64_t most = std::max<std::int64_t>(4, std::int64_t{pixels.width} * pixels.height);
         Options options;
-        options.target = Target::vertices(std::min(n, most));
-        options.limits.position_step = lattice_.per_site;
+        options.target = Target::vertices(std::min(n, most_vertices()));
+        options.limits.position_step = lattice_.has_one_image ? 0.25 : lattice_.per_site;
         options.round_colors = false;
         if (runs_->are_heard()) options.progress = *runs_;
-        const Result result = mesh_image(pixels, options, recipe, *parallel_for_);
+        const Result result = mesh_image(first_image(), options, recipe, *parallel_for_);
         runs_->add();
         status = result.status;
         if (!status) return false;
@@ -262,7 +267,7 @@ class CompactSearch {
     CompactLattice lattice_;
     CompactRuns* runs_;
     const ParallelFor* parallel_for_;
-    Image<std::uint8_t, C> pixels_;
+    Image<std::uint8_t, C> pixels_;  // of the first image, where it is not the second
     Mesh mesh_;
 };
 

@@ -45,7 +45,7 @@ template <class T, int C>
 }
 
 /// The sites of a lattice along an axis of the image, and the pixels of the two images that are meshed for it: first one of a
-/// few pixels a site, then the image itself, shrunk or not.
+/// few pixels a site, where sites are far apart, then the image itself, shrunk or not.
 struct LatticeAxis {
     int sites;          ///< the last site, on the image's far side; the first is 0
     int pixels;         ///< of the first image
@@ -72,6 +72,9 @@ struct CompactLattice {
     LatticeAxis x, y;
     int per_site;  ///< pixels of the first image from one site to the next, a power of two
     double units;  ///< of the file's px
+    /// Whether the second image is the first one too, as where sites are many and about as near as pixels: at other pixels it
+    /// would be blurred. Vertices come to sites from a quarter of a pixel then. Worth 0.03 dB.
+    bool has_one_image;
 
     [[nodiscard]] friend bool operator==(const CompactLattice& a, const CompactLattice& b) noexcept {
         return a.x.sites == b.x.sites && a.y.sites == b.y.sites && a.x.step == b.x.step;
@@ -90,6 +93,7 @@ struct CompactLattice {
     while (out.per_site < 16 && (out.per_site < 2 || sites * out.per_site * out.per_site < 65536) &&
            4 * sites * out.per_site * out.per_site <= most)
         out.per_site *= 2;
+    out.has_one_image = out.per_site == 1 && sites >= 65536;
     out.units = bare ? 1 : 256;
     const auto step = static_cast<std::int64_t>(std::min(256 * cell + 0.5, 33554432.0));
     const auto axis = [&](int side, int size) {

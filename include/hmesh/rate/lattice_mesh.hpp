@@ -99,6 +99,7 @@ class LatticeMesh {
     // A mesh of the first image in px of the second. Rounding may turn slivers over; vertices on them come to sites all the same
     // or are removed, but until then the far corners of a convex quadrilateral may have an edge in common: is_flip_ok().
     [[nodiscard]] Mesh in_second_image(Mesh mesh) const {
+        if (lattice_->has_one_image) return mesh;
         for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
             const LatticeAxis& axis = i % 2 == 0 ? lattice_->x : lattice_->y;
             // The last pixel may stand for less than others.
