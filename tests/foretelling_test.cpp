@@ -89,7 +89,7 @@ TEST_CASE("by area a number is foretold as all neighbours say together") {
                                   {2, 255, true, false, 2 * side * side},
                                   {1, 4294967295, false, false, 2 * side * side}};
     for (const ColorNumbers& numbers : kinds)
-        for (const std::size_t n : {4, 5, 30, 60}) {
+        for (const std::size_t n : std::vector<std::size_t>{4, 5, 30, 60}) {
             const std::vector<GridPoint> points = random_points(n, random);
             const Triangulation mesh(points);
             std::vector<bool> used(n);
@@ -169,7 +169,7 @@ TEST_CASE("by distance a number is foretold as the nearest say") {
     const std::vector<bool> used(5, true);
     DistanceForetelling foretelling(5, {1, 255, false, false, 2 * side * side});
     std::size_t last = 5;
-    for (const std::size_t v : {0, 1, 2, 3}) {
+    for (std::size_t v = 0; v < 4; ++v) {
         foretelling.look(mesh, used, v, last);
         foretelling.note(0, v == 0 ? 200 : 0, 0);
         foretelling.close();
