@@ -6,7 +6,8 @@
 # With --viewers it runs only those that show meshes to other programs (poppler, Ghostscript, librsvg, assimp, ADMesh,
 # Chromium, Khronos' validator), which it installs; without, all the others. The words of the variable HMESH_CONFIGURE are handed to
 # cmake when it configures. The command and the examples are optimised lightly, for they take longer to compile than to run;
-# HMESH_CONFIGURE=-DHMESH_LIGHT=OFF tests them as users get them.
+# HMESH_CONFIGURE=-DHMESH_LIGHT=OFF tests them as users get them. That each header compiles alone takes a minute, and is left to
+# .ci/run or -DHMESH_TEST_HEADERS=ON.
 # shellcheck source=scripts/common.sh
 . "$(dirname "${BASH_SOURCE[0]}")/common.sh"
 
@@ -41,6 +42,7 @@ if [ ${#targets[@]} != 0 ]; then
     export CHROMIUM
 fi
 # shellcheck disable=SC2086  # words
-step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON -DHMESH_LIGHT=ON ${HMESH_CONFIGURE-}
+step "Configuring build/$preset ..." cmake --preset "$preset" -DHMESH_BUILD_TESTS=ON -DHMESH_LIGHT=ON \
+    -DHMESH_TEST_HEADERS=TOGETHER ${HMESH_CONFIGURE-}
 step "Building build/$preset ..." cmake --build --preset "$preset" --parallel "$jobs" ${targets[@]+"${targets[@]}"}
 ctest --preset "$preset" --parallel "$jobs" "${label[@]}" "$@"
