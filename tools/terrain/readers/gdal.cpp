@@ -1,21 +1,17 @@
-// Whatever GDAL reads. The only file that compiles it.
+// Whatever GDAL reads.
 //
 // GDAL's geotransform is that of the corner of the first sample's area, by its convention and whatever the file's: of a GeoTIFF
 // of points (AREA_OR_POINT) it is moved by half a sample. So samples stand at the centres of these areas in any case.
 #include "terrain/readers/readers.hpp"
 
 #ifdef HMESH_HAS_GDAL
-#include <cpl_conv.h>
-#include <cpl_error.h>
-#include <gdal.h>
-#include <ogr_srs_api.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
 
+#include "readers/gdal_library.hpp"
 #include "terrain/readers/grid_file.hpp"
 #endif
 
@@ -25,17 +21,10 @@ namespace terrain {
 
 namespace {
 
-// GDAL's words on one line, for the end of a sentence.
-std::string last_error(const char* otherwise) {
-    std::string text = CPLGetLastErrorMsg();
-    if (text.empty()) return otherwise;
-    for (char& c : text)
-        if (c == '\n' || c == '\r') c = ' ';
-    return "GDAL says: " + text;
-}
+using tool::gdal;
 
 struct Close {
-    void operator()(void* dataset) const noexcept { static_cast<void>(GDALClose(dataset)); }
+    void operator()(void* dataset) const noexcept { static_cast<void>(gdal().GDALClose(dataset)); }
 };
 
 class GdalDem : public Dem {
@@ -50,8 +39,8 @@ class GdalDem : public Dem {
     template <class T>
     [[nodiscard]] bool read_row(GDALRasterBandH band, GDALDataType type, int x, int j, std::vector<T>& row) {
         const int line = is_south_up_ ? height - 1 - j : j;
-        return GDALRasterIO(band, GF_Read, x, line, static_cast<int>(row.size()), 1, row.data(), static_cast<int>(row.size()), 1,
-                            type, 0, 0) == CE_None;
+        return gdal().GDALRasterIO(band, GF_Read, x, line, static_cast<int>(row.size()), 1, row.data(),
+                                   static_cast<int>(row.size()), 1, type, 0, 0) == CE_None;
     }
 
     std::unique_ptr<void, Close> dataset_;
@@ -61,28 +50,29 @@ class GdalDem : public Dem {
 };
 
 std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
-    CPLErrorReset();
-    dataset_.reset(
-        GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr));
-    if (!dataset_) return last_error("GDAL reads no such file");
-    const int bands = GDALGetRasterCount(dataset_.get());
-    const bool has_alpha = bands == 2 && GDALGetRasterColorInterpretation(GDALGetRasterBand(dataset_.get(), 2)) == GCI_AlphaBand;
+    if (!gdal().why.empty()) return gdal().why;
+    dataset_.reset(gdal().open(path));
+    if (!dataset_) return gdal().last_error("GDAL reads no such file");
+    const int bands = gdal().GDALGetRasterCount(dataset_.get());
+    const bool has_alpha =
+        bands == 2 && gdal().GDALGetRasterColorInterpretation(gdal().GDALGetRasterBand(dataset_.get(), 2)) == GCI_AlphaBand;
     if (bands < 1) return "it has no raster, but perhaps others in it: gdalinfo lists them";
     if (bands > 1 && !has_alpha)
         return "it has " + std::to_string(bands) + " bands, and heights are one: gdal_translate -b takes one of them";
-    band_ = GDALGetRasterBand(dataset_.get(), 1);
-    const GDALDataType type = GDALGetRasterDataType(band_);
-    if (GDALDataTypeIsComplex(type) != 0) return "its samples are complex numbers, and heights are real";
-    width = GDALGetRasterBandXSize(band_);
-    height = GDALGetRasterBandYSize(band_);
-    reader = gdal_version() + ", " + GDALGetDriverShortName(GDALGetDatasetDriver(dataset_.get()));
+    band_ = gdal().GDALGetRasterBand(dataset_.get(), 1);
+    const GDALDataType type = gdal().GDALGetRasterDataType(band_);
+    if (gdal().GDALDataTypeIsComplex(type) != 0) return "its samples are complex numbers, and heights are real";
+    width = gdal().GDALGetRasterXSize(dataset_.get());
+    height = gdal().GDALGetRasterYSize(dataset_.get());
+    reader = std::string("GDAL ") + gdal().GDALVersionInfo("RELEASE_NAME") + ", " +
+             gdal().GDALGetDriverShortName(gdal().GDALGetDatasetDriver(dataset_.get()));
     int has = 0;
-    if (const double value = GDALGetRasterNoDataValue(band_, &has); has != 0) no_data = value;
+    if (const double value = gdal().GDALGetRasterNoDataValue(band_, &has); has != 0) no_data = value;
     if (options.no_data) no_data = options.no_data;
-    else if ((GDALGetMaskFlags(band_) & GMF_ALL_VALID) == 0) mask_ = GDALGetMaskBand(band_);
-    scale_ = GDALGetRasterScale(band_, &has);
+    else if ((gdal().GDALGetMaskFlags(band_) & GMF_ALL_VALID) == 0) mask_ = gdal().GDALGetMaskBand(band_);
+    scale_ = gdal().GDALGetRasterScale(band_, &has);
     if (has == 0) scale_ = 1;
-    offset_ = GDALGetRasterOffset(band_, &has);
+    offset_ = gdal().GDALGetRasterOffset(band_, &has);
     if (has == 0) offset_ = 0;
     if (!std::isfinite(scale_) || !std::isfinite(offset_) || scale_ == 0) return "its scale of heights is 0 or not finite";
     return find_place();
@@ -90,7 +80,7 @@ std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
 
 std::string GdalDem::find_place() {
     double t[6] = {};
-    if (GDALGetGeoTransform(dataset_.get(), t) != CE_None) return {};
+    if (gdal().GDALGetGeoTransform(dataset_.get(), t) != CE_None) return {};
     for (const double number : t)
         if (!std::isfinite(number)) return "its geotransform is not finite";
     if (t[2] != 0 || t[4] != 0) return "its rows are turned against the axes of its map: gdalwarp lays them along";
@@ -104,30 +94,30 @@ std::string GdalDem::find_place() {
 }
 
 void GdalDem::find_crs() {
-    OGRSpatialReferenceH crs = GDALGetSpatialRef(dataset_.get());
+    OGRSpatialReferenceH crs = gdal().GDALGetSpatialRef(dataset_.get());
     if (crs == nullptr) return;
     char* text = nullptr;
-    if (OSRExportToWkt(crs, &text) == OGRERR_NONE && text != nullptr) place.crs = text;
-    CPLFree(text);
+    if (gdal().OSRExportToWkt(crs, &text) == OGRERR_NONE && text != nullptr) place.crs = text;
+    gdal().VSIFree(text);
     OGRErr error = OGRERR_NONE;
-    const double axis = OSRGetSemiMajor(crs, &error);
+    const double axis = gdal().OSRGetSemiMajor(crs, &error);
     if (error == OGRERR_NONE && axis > 0) place.semi_major = axis;
-    const double flattening = OSRGetInvFlattening(crs, &error);
+    const double flattening = gdal().OSRGetInvFlattening(crs, &error);
     if (error == OGRERR_NONE && flattening >= 0) place.inverse_flattening = flattening;
-    place.is_geographic = OSRIsGeographic(crs) != 0;
+    place.is_geographic = gdal().OSRIsGeographic(crs) != 0;
     if (place.is_geographic) {
-        const double degrees = OSRGetAngularUnits(crs, nullptr) * 180 / 3.14159265358979323846;
+        const double degrees = gdal().OSRGetAngularUnits(crs, nullptr) * 180 / 3.14159265358979323846;
         if (degrees > 0 && std::fabs(degrees - 1) > 1e-9)
             for (double& number : place.transform) number *= degrees;
-    } else if (const double metres = OSRGetLinearUnits(crs, nullptr); metres > 0) {
+    } else if (const double metres = gdal().OSRGetLinearUnits(crs, nullptr); metres > 0) {
         place.unit = metres;
     }
 }
 
 std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, double& rounding) {
-    CPLErrorReset();
+    gdal().CPLErrorReset();
     rounding = 0;
-    const GDALDataType type = GDALGetRasterDataType(band_);
+    const GDALDataType type = gdal().GDALGetRasterDataType(band_);
     const bool is_exact =
         (type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32) && scale_ == 1 && offset_ == 0;
     std::vector<float> single(is_exact ? static_cast<std::size_t>(columns) : 0);
@@ -136,7 +126,7 @@ std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, d
     for (int j = y; j < y + rows; ++j) {
         const bool is_read = is_exact ? read_row(band_, GDT_Float32, x, j, single) : read_row(band_, GDT_Float64, x, j, twice);
         if (!is_read || (mask_ != nullptr && !read_row(mask_, GDT_Byte, x, j, mask)))
-            return last_error("GDAL cannot read its samples");
+            return gdal().last_error("GDAL cannot read its samples");
         for (std::size_t k = 0; k < static_cast<std::size_t>(columns); ++k) {
             const double stored = is_exact ? static_cast<double>(single[k]) : twice[k];
             const double value = is_exact ? stored : scale_ * stored + offset_;
@@ -153,19 +143,15 @@ std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, d
 }  // namespace
 
 std::string open_gdal(const std::string& path, const ReadOptions& options, DemPointer& dem) {
-    GDALAllRegister();
-    CPLSetErrorHandler(CPLQuietErrorHandler);
     auto file = std::make_unique<GdalDem>();
     if (std::string why = file->open(path, options); !why.empty()) return why;
     // A row of tiles reads the same rows of samples again and again, which may have to be decoded whole.
-    constexpr std::int64_t most = std::int64_t{1} << 30U;
-    if (const std::int64_t needs = std::int64_t{8} * file->width * (options.rows + 3); options.rows > 0)
-        GDALSetCacheMax64(std::max<std::int64_t>(GDALGetCacheMax64(), std::min(needs, most)));
+    if (options.rows > 0) gdal().keep_bytes(std::int64_t{8} * file->width * (options.rows + 3));
     dem = std::move(file);
     return {};
 }
 
-std::string gdal_version() { return std::string("GDAL ") + GDALVersionInfo("RELEASE_NAME"); }
+std::string gdal_version() { return "GDAL " GDAL_RELEASE_NAME; }
 
 #else
 
