@@ -3359,8 +3359,8 @@ struct CompactLattice {
     LatticeAxis x, y;
     int per_site;  ///< pixels of the first image from one site to the next, a power of two
     double units;  ///< of the file's px
-    /// Whether the second image is the first one too, as where sites are many and about as near as pixels: at other pixels it
-    /// would be blurred. Vertices come to sites from a quarter of a pixel then. Worth 0.03 dB.
+    /// Whether the second image is the first one too, as where sites are many and nearer than pixels: at other pixels it would
+    /// be blurred. Vertices come to sites from a quarter of a pixel then. Worth 0.03 dB.
     bool has_one_image;
 
     [[nodiscard]] friend bool operator==(const CompactLattice& a, const CompactLattice& b) noexcept {
@@ -3380,7 +3380,7 @@ struct CompactLattice {
     while (out.per_site < 16 && (out.per_site < 2 || sites * out.per_site * out.per_site < 65536) &&
            4 * sites * out.per_site * out.per_site <= most)
         out.per_site *= 2;
-    out.has_one_image = out.per_site == 1 && sites >= 65536;
+    out.has_one_image = sites >= 65536 && sites >= static_cast<double>(columns) * rows;
     out.units = bare ? 1 : 256;
     const auto step = static_cast<std::int64_t>(std::min(256 * cell + 0.5, 33554432.0));
     const auto axis = [&](int side, int size) {
