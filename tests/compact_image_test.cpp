@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <tuple>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
@@ -92,9 +91,10 @@ TEST_CASE("an image fits into the bytes that it is given, and uses them, the bet
 
 TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
     // The second has more vertices than are a matter of luck, and is told by its flat colours.
-    const std::tuple<int, int, std::size_t, double> drawings[] = {{200, 160, 800, 40}, {400, 320, 1600, 40}};
-    for (const auto& [width, height, budget, least] : drawings) {
+    for (const int width : {200, 400}) {
         CAPTURE(width);
+        const std::size_t budget = width == 200 ? 800 : 1600;
+        const int height = width * 4 / 5;
         hmesh::Image<std::uint8_t, 3> image(width, height);
         hmesh::kit::Random random(5);
         for (int k = 0; k < width / 16; ++k) {
@@ -108,7 +108,7 @@ TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
         }
         const CompactImage out = compact_image(image.view(), bytes(budget), quick());
         prove(image.view(), bytes(budget), out);
-        CHECK(out.psnr > least);
+        CHECK(out.psnr > 40);
     }
 }
 
