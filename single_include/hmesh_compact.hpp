@@ -4095,9 +4095,9 @@ template <class T, int C>
 
 /// An image as a compact file of at most options.bytes bytes: vertices, lattice and steps of colours are chosen together, for the
 /// least error found, as the image is drawn from the file. Of the bytes all but 2 % are used, unless fewer give a PSNR of 55 dB
-/// or all pixels are vertices. Same bytes for any executor. Takes some three runs of mesh_image(), two of them quick, or seven
-/// where the bytes are so few that several meshes are tried, and as long again on the lattice: 0.7 s for 300 bytes of a
-/// photograph with Effort::normal, 0.9 s for 3,000; 1.8 s and 2.3 s with Effort::fine, which is 0.05 to 0.2 dB better.
+/// or all pixels are vertices. Same bytes for any executor. Takes some two runs of mesh_image(), one of them quick, or seven
+/// where the bytes are so few that several meshes are tried, and as long again on the lattice: 0.5 s for 300 bytes of a
+/// photograph with Effort::normal, 0.7 s for 3,000; 1.4 s and 1.9 s with Effort::fine, which is 0.02 to 0.2 dB better.
 ///
 /// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
 /// \param options       how many bytes, and which profile
