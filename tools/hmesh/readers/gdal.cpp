@@ -3,7 +3,6 @@
 #include "readers/rectangles.hpp"
 
 #ifdef HMESH_HAS_GDAL
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <memory>

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/colors/color_coder.hpp"

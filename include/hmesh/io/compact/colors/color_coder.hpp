@@ -1,8 +1,8 @@
 /// \file
 /// ColorCoder: the colours of the vertices of a triangulation, in whole numbers.
 ///
-/// Vertices come in the order of their points; each is foretold by its neighbours that came before, the nearer the more, and told
-/// by its difference to that, exactly or in steps. Three channels are coded as a luma and two differences: exact ones by H.
+/// Vertices come in the order of their points; each is foretold by its neighbours, in one of the ways of foretelling.hpp, and
+/// told by its difference to that, exactly or in steps. Three channels are coded as a luma and two differences: exact ones by H.
 /// Malvar and G. Sullivan, "YCoCg-R: a color space with RGB reversibility and low dynamic range", 2003, coarse ones as three that
 /// are orthogonal; alpha comes before all. How large a difference may be is told by how much the neighbours differ, by how well
 /// they were foretold themselves, by their distance, and by the channels before.
@@ -23,7 +23,6 @@
 #include "hmesh/io/compact/colors/color_choice.hpp"
 #include "hmesh/io/compact/colors/foretelling.hpp"
 #include "hmesh/io/compact/mixer.hpp"
-#include "hmesh/io/compact/plane.hpp"
 #include "hmesh/io/compact/sites.hpp"
 #include "hmesh/io/compact/start_table.hpp"
 #include "hmesh/io/compact/triangulation.hpp"
