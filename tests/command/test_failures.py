@@ -161,6 +161,20 @@ def test_what_a_killed_run_leaves_behind_is_in_nobodys_way(hmesh):
     assert read("other") == b"somebody's"
 
 
+def test_runs_that_write_one_file_at_once_each_write_it_whole(hmesh):
+    """Who finds another's part between its last byte and its name would take it over, and rename what is there no more."""
+    whole = set()
+    for vertices in [40, 41]:
+        hmesh.done(f"grey.pgm --vertices {vertices} -o shared.ply")
+        whole.add(read("shared.ply"))
+    for _ in range(30):
+        runs = [subprocess.Popen(hmesh.words(f"grey.pgm --vertices {40 + k % 2} -o shared.ply -q"), stderr=subprocess.PIPE)
+                for k in range(12)]
+        assert [(run.communicate(timeout=60)[1], run.returncode) for run in runs] == [(b"", 0)] * 12
+        assert read("shared.ply") in whole
+    assert not list(Path().glob("*.part*"))
+
+
 def test_a_run_that_is_ended_at_any_moment_leaves_the_old_file_or_the_new_one(hmesh):
     """HMESH_KILLS of each kind, at moments spread over a run."""
     def run(vertices):

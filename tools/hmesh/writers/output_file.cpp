@@ -54,6 +54,27 @@ std::FILE* open_part(const std::string& name) {
 }
 #endif
 
+// Keeps the lock of a file that is closed, while this stands: until the file has its name or is gone, no other program may take
+// it for one that was left behind.
+class KeptLock {
+  public:
+#ifdef _WIN32
+    explicit KeptLock(std::FILE* /*file*/) {}  // there are none
+#else
+    explicit KeptLock(std::FILE* file) : lock_(file != nullptr ? ::fcntl(::fileno(file), F_DUPFD_CLOEXEC, 0) : -1) {}
+    ~KeptLock() {
+        if (lock_ >= 0) ::close(lock_);
+    }
+#endif
+    KeptLock(const KeptLock&) = delete;
+    KeptLock& operator=(const KeptLock&) = delete;
+
+  private:
+#ifndef _WIN32
+    int lock_;
+#endif
+};
+
 // Has the disk take all that was written to the file.
 bool put_on_disk([[maybe_unused]] std::FILE* file) {
 #ifdef _WIN32
@@ -147,6 +168,7 @@ bool OutputFile::commit(bool is_lasting) {
     if (is_standard_) return std::fflush(file) == 0 || fail(errno);
     const bool is_kept = !is_lasting || in_place_ || put_on_disk(file);
     const int refused = errno;
+    [[maybe_unused]] const KeptLock lock(file);
     if (std::fclose(file) != 0 || !is_kept) {
         const int why = is_kept ? errno : refused;
         discard();
@@ -177,6 +199,7 @@ bool OutputFile::may_replace() const {
 }
 
 void OutputFile::discard() {
+    [[maybe_unused]] const KeptLock lock(is_standard_ ? nullptr : file_);
     if (file_ != nullptr && !is_standard_) std::fclose(file_);
     if (!temporary_.empty()) static_cast<void>(std::remove(temporary_.c_str()));
     file_ = nullptr;
