@@ -68,7 +68,18 @@ class ArithmeticCoder {
     /// Codes the `count` <= 32 low bits of a number that may be any, the highest first. Returns it.
     std::uint32_t bits(std::uint32_t value, int count) {
         std::uint32_t got = 0;
-        for (int k = count - 1; k >= 0; --k) got = got << 1 | (bit((value >> k & 1U) != 0, 32768) ? 1U : 0U);
+        if (writes()) {
+            for (int k = count - 1; k >= 0; --k) got = got << 1 | (bit((value >> k & 1U) != 0, 32768) ? 1U : 0U);
+            return got;
+        }
+        // No processor guesses them: read without branches they take a third of the time.
+        for (int k = 0; k < count; ++k) {
+            const std::uint32_t middle = low_ + (high_ - low_) / 2, is_one = code_ <= middle ? 1 : 0, ones = 0U - is_one;
+            high_ = (middle & ones) | (high_ & ~ones);
+            low_ = (low_ & ones) | ((middle + 1) & ~ones);
+            got = got << 1 | is_one;
+            while (((low_ ^ high_) & 0xff000000U) == 0) shift();
+        }
         return got;
     }
 
@@ -466,6 +477,13 @@ class Triangulation {
 [[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
     const Triangulation::Index c = mesh.apex(e);
     return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+}
+/// Twice the area of the triangles around a point.
+[[nodiscard]] inline std::int64_t area_around(const Triangulation& mesh, Triangulation::Index v) {
+    std::int64_t area = 0;
+    Triangulation::Index e = mesh.first(v);
+    for (Triangulation::Index k = 0; k < mesh.degree(v); ++k, e = mesh.next(e)) area += area_beside(mesh, e);
+    return area;
 }
 
 }  // namespace hmesh::detail
@@ -943,6 +961,20 @@ class Halving {
         for (int k = 0; k < level; ++k) at[axis(k)] = at[axis(k)] << 1 | static_cast<std::uint32_t>(way >> (level - 1 - k) & 1U);
         return {at[0] << side(level, 0), at[1] << side(level, 1)};
     }
+    /// Whether all sites of a cell, whose first this is, are of the lattice.
+    [[nodiscard]] bool is_whole(Site cell, int level) const noexcept {
+        return cell.x + (std::uint64_t{1} << side(level, 0)) <= size_[0] &&
+               cell.y + (std::uint64_t{1} << side(level, 1)) <= size_[1];
+    }
+    /// The site that a way ends at, from a cell on.
+    [[nodiscard]] Site follow(Site cell, int level, std::uint64_t way) const noexcept {
+        for (; level < levels_; ++level) {
+            const std::size_t a = axis(level);
+            const auto digit = static_cast<std::uint32_t>(way >> (levels_ - 1 - level) & 1U);
+            (a == 0 ? cell.x : cell.y) += digit << (side(level, a) - 1);
+        }
+        return cell;
+    }
     /// The digits of ways at a level that belong to an axis.
     [[nodiscard]] std::uint64_t digits(int level, std::size_t of_axis) const noexcept {
         std::uint64_t mask = 0;
@@ -1097,6 +1129,13 @@ class SiteCoder {
         return true;
     }
 
+    // The `count` low digits of a number, as they are.
+    std::uint64_t digits(std::uint64_t number, int count) {
+        const int rest = std::max(0, count - 32);
+        const std::uint64_t high = coder_->bits(static_cast<std::uint32_t>(number >> 32U), rest);
+        return high << 32U | coder_->bits(static_cast<std::uint32_t>(number), count - rest);
+    }
+
     // Says which of the numbers from may.least to may.most `first` is, the middle of those left against each.
     template <class Code>
     std::uint32_t tell(Halves may, std::uint32_t n, std::uint32_t first, Code&& code) {
@@ -1113,6 +1152,12 @@ class SiteCoder {
     // The n sites of a cell, one half after the other.
     void split(const Halving& halving, int level, Site cell, std::uint32_t n, std::size_t at, std::vector<Site>& sites) {
         for (; level < halving.levels(); ++level) {
+            if (n == 1 && halving.is_whole(cell, level)) {
+                // What is told is whether it is in the first half: a way has the contrary.
+                const std::uint64_t told = digits(coder_->writes() ? ~ways_[at] : 0, halving.levels() - level);
+                sites.push_back(halving.follow(cell, level, ~told));
+                return;
+            }
             const std::size_t a = halving.axis(level);
             const Halves may = bounds(halving, level, cell, n);
             std::uint32_t first = may.least;
@@ -1191,6 +1236,27 @@ struct ColorNumbers {
     return std::max(x, y) + 3 * std::min(x, y) / 8;
 }
 
+/// The neighbours of a vertex that were coded before it.
+class CodedNeighbors {
+  public:
+    static constexpr std::int64_t farthest = std::int64_t{1} << 26;  ///< as far as none is
+    /// One more, so far away.
+    void add(std::int64_t distance) noexcept {
+        nearest_ = std::min(nearest_, distance);
+        ++count_;
+    }
+    [[nodiscard]] std::int64_t nearest() const noexcept { return nearest_; }  ///< how far the nearest is
+    /// Binary digits of that, at most 19.
+    [[nodiscard]] std::size_t digits() const noexcept {
+        return static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest_)), 19));
+    }
+    [[nodiscard]] std::size_t count() const noexcept { return std::min<std::size_t>(count_, 7); }  ///< how many, at most 7
+
+  private:
+    std::int64_t nearest_ = farthest;
+    std::size_t count_ = 0;
+};
+
 /// Foretells by the mean of the neighbours coded before, each as the distance's reciprocal.
 class DistanceForetelling {
   public:
@@ -1203,8 +1269,8 @@ class DistanceForetelling {
     void look(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
         using Index = Triangulation::Index;
         neighbors_.clear();
+        coded_ = {};
         at_ = v;
-        std::int64_t nearest = std::int64_t{1} << 26;
         const auto at = static_cast<Index>(v);
         const GridPoint p = mesh.point(at);
         Index e = mesh.first(at);
@@ -1212,17 +1278,23 @@ class DistanceForetelling {
             const std::size_t u = mesh.to(e);
             if (u >= v || !used[u]) continue;
             const std::int64_t distance = distance_of(p, mesh.point(static_cast<Index>(u)));
-            nearest = std::min(nearest, distance);
+            coded_.add(distance);
             neighbors_.push_back({u, distance});
         }
         // Of up to 2^24 neighbours sums stay below 2^62.
-        for (Neighbor& neighbor : neighbors_) neighbor.weight = std::max<std::int64_t>(1, nearest * one_ / neighbor.weight);
-        if (neighbors_.empty() && last < v) neighbors_.push_back({last, 1});
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(neighbors_.size(), 7);
+        for (Neighbor& neighbor : neighbors_)
+            neighbor.weight = std::max<std::int64_t>(1, coded_.nearest() * one_ / neighbor.weight);
+        if (neighbors_.empty() && last < v) {
+            coded_.add(CodedNeighbors::farthest);
+            neighbors_.push_back({last, 1});
+        }
     }
-    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest one, at most 19
-    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many there are, at most 7
+    /// The neighbours of the vertex looked at that were coded before it.
+    [[nodiscard]] const CodedNeighbors& coded() const noexcept { return coded_; }
+    /// Twice the area of the faces around the vertex looked at.
+    [[nodiscard]] std::int64_t area(const Triangulation& mesh) const noexcept {
+        return area_around(mesh, static_cast<Triangulation::Index>(at_));
+    }
 
     /// Foretells the number of a channel, in [0, most]; `first` where nothing is known.
     [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t /*most*/) const noexcept {
@@ -1259,7 +1331,8 @@ class DistanceForetelling {
     std::int64_t one_;
     std::vector<std::uint32_t> planes_, missed_;
     std::vector<Neighbor> neighbors_;
-    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+    CodedNeighbors coded_;
+    std::size_t at_ = 0;
 };
 
 /// Foretells by the mean of all neighbours, each as the area of the triangles that it shares with the vertex; those not coded yet
@@ -1280,32 +1353,32 @@ class AreaForetelling {
         using Index = Triangulation::Index;
         neighbors_.clear();
         later_.clear();
+        coded_ = {};
         at_ = v;
-        known_ = 0;
-        std::int64_t nearest = std::int64_t{1} << 26;
+        area_ = 0;
         const auto at = static_cast<Index>(v);
         Index e = mesh.first(at);
         std::int64_t before = area_beside(mesh, mesh.previous(e));
         for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
             const std::int64_t area = area_beside(mesh, e), shared = (before + area) / unit_ + 1;
+            area_ += area;
             before = area;
             const std::size_t u = mesh.to(e);
             if (!used[u]) continue;
             if (u < v) {
-                nearest = std::min(nearest, distance_of(mesh.point(at), mesh.point(static_cast<Index>(u))));
+                coded_.add(distance_of(mesh.point(at), mesh.point(static_cast<Index>(u))));
                 add_neighbor(shared, known_of_[u], 1);
-                ++known_;
             } else {
                 later_.push_back({u, shared});
                 if (known_of_[u].weights > 0) add_neighbor(shared, known_of_[u], known_of_[u].weights);
             }
         }
         if (neighbors_.empty() && last < v) add_neighbor(1, known_of_[last], 1);
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(known_, 7);
     }
-    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest coded one
-    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many are coded, at most 7
+    /// As of DistanceForetelling.
+    [[nodiscard]] const CodedNeighbors& coded() const noexcept { return coded_; }
+    /// As of DistanceForetelling.
+    [[nodiscard]] std::int64_t area(const Triangulation& /*mesh*/) const noexcept { return area_; }
 
     /// As of DistanceForetelling.
     [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t most) noexcept {
@@ -1317,12 +1390,13 @@ class AreaForetelling {
             out.weights += neighbor.weight;
         }
         if (out.weights == 0) return out.guess = mean_ = first, out;
+        if (channel == 1 && has_luma_) off_[0] = now_[0] - mean(0, out.weights);
         mean_ = out.guess = mean(channel, out.weights);
         if (is_difference)
             for (std::size_t k = 0; k < channel; ++k) {
-                off_[k] = now_[k] - mean(k, out.weights);
                 const Slope slope = slopes_[channel - 1][k];
-                out.guess += slope.both * off_[k] / slope.square;
+                told_[k] = slope.both * off_[k] / slope.square;
+                out.guess += told_[k];
             }
         out.guess = std::max<std::int64_t>(0, std::min(out.guess, most));
         for (const Neighbor& neighbor : neighbors_) {
@@ -1336,13 +1410,12 @@ class AreaForetelling {
         now_[channel] = number;
         missed_[channel] = missed;
         if (!has_luma_ || channel == 0 || channel > 2 || neighbors_.empty()) return;
-        std::int64_t off = number - mean_;
+        std::int64_t off = off_[channel] = number - mean_;
         for (std::size_t k = 0; k < channel; ++k) {
             Slope& slope = slopes_[channel - 1][k];
-            const std::int64_t told = slope.both * off_[k] / slope.square;
             slope.both += off_[k] * off - slope.both / 512;
             slope.square += off_[k] * off_[k] - slope.square / 512;
-            off -= told;
+            off -= told_[k];
         }
     }
     /// All channels of the vertex are coded: its neighbours that come later know of it.
@@ -1407,9 +1480,12 @@ class AreaForetelling {
     std::array<std::array<Slope, 2>, 2> slopes_{};  // of the second and third channel by those before
     std::vector<Neighbor> neighbors_;
     std::vector<Later> later_;
-    Numbers now_{}, missed_{}, off_{};
-    std::int64_t mean_ = 0;
-    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+    Numbers now_{}, missed_{};
+    Numbers off_{};                       // of a luma and differences, what the number is off the mean by like luma
+    std::array<std::int64_t, 2> told_{};  // of a difference, what the channels before tell of it
+    CodedNeighbors coded_;
+    std::int64_t mean_ = 0, area_ = 0;
+    std::size_t at_ = 0;
 };
 
 }  // namespace hmesh::detail
@@ -1527,7 +1603,7 @@ class ColorCoder {
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             foretelling_.look(mesh, used, v, last);
-            if (is_coarse) find_area(mesh, v);
+            const std::int64_t area = is_coarse ? foretelling_.area(mesh) : 0;
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
             if (coder_->writes() && !is_coarse) {
@@ -1543,7 +1619,7 @@ class ColorCoder {
                 const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
                 Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
-                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area_, channel, is_rgb);
+                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area, channel, is_rgb);
                 plane.first = !is_coarse ? (plane.most + 1) / 2 : is_difference ? CoarseColors::middle : 2048;
                 const std::int64_t got = code_number(v, plane, truth[channel], before, turns);
                 if (got < 0) return false;
@@ -1586,14 +1662,6 @@ class ColorCoder {
             return {&of.spread_[spread + size], &of.misses_[misses + size], &of.others_[others + size], &of.place_[place + size]};
         }
     };
-
-    // Twice the area of the faces around v.
-    void find_area(const Triangulation& mesh, std::size_t v) {
-        const auto at = static_cast<Triangulation::Index>(v);
-        area_ = 0;
-        Triangulation::Index e = mesh.first(at);
-        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) area_ += area_beside(mesh, e);
-    }
 
     // Which multiple of a plane's step is best: of the least error and bits together.
     [[nodiscard]] std::int64_t coarse_difference(std::size_t v, const Plane& plane, std::int64_t guess, const Sizes& sizes) {
@@ -1641,7 +1709,7 @@ class ColorCoder {
         const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         const std::size_t at = channel * 20 * steps;
         const Sizes sizes{at + spread_level * steps, at + missed_level * steps, at + other * steps,
-                          channel * 20 * 8 * steps + (foretelling_.distance() * 8 + foretelling_.known()) * steps,
+                          channel * 20 * 8 * steps + (foretelling_.coded().digits() * 8 + foretelling_.coded().count()) * steps,
                           channel * steps};
         if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess, sizes);
         // The number of digits of the difference, one by one.
@@ -1696,7 +1764,6 @@ class ColorCoder {
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
     ColorChoice choice_;
-    std::int64_t area_ = 0;
 };
 
 }  // namespace hmesh::detail

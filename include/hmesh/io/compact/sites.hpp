@@ -84,6 +84,20 @@ class Halving {
         for (int k = 0; k < level; ++k) at[axis(k)] = at[axis(k)] << 1 | static_cast<std::uint32_t>(way >> (level - 1 - k) & 1U);
         return {at[0] << side(level, 0), at[1] << side(level, 1)};
     }
+    /// Whether all sites of a cell, whose first this is, are of the lattice.
+    [[nodiscard]] bool is_whole(Site cell, int level) const noexcept {
+        return cell.x + (std::uint64_t{1} << side(level, 0)) <= size_[0] &&
+               cell.y + (std::uint64_t{1} << side(level, 1)) <= size_[1];
+    }
+    /// The site that a way ends at, from a cell on.
+    [[nodiscard]] Site follow(Site cell, int level, std::uint64_t way) const noexcept {
+        for (; level < levels_; ++level) {
+            const std::size_t a = axis(level);
+            const auto digit = static_cast<std::uint32_t>(way >> (levels_ - 1 - level) & 1U);
+            (a == 0 ? cell.x : cell.y) += digit << (side(level, a) - 1);
+        }
+        return cell;
+    }
     /// The digits of ways at a level that belong to an axis.
     [[nodiscard]] std::uint64_t digits(int level, std::size_t of_axis) const noexcept {
         std::uint64_t mask = 0;
@@ -238,6 +252,13 @@ class SiteCoder {
         return true;
     }
 
+    // The `count` low digits of a number, as they are.
+    std::uint64_t digits(std::uint64_t number, int count) {
+        const int rest = std::max(0, count - 32);
+        const std::uint64_t high = coder_->bits(static_cast<std::uint32_t>(number >> 32U), rest);
+        return high << 32U | coder_->bits(static_cast<std::uint32_t>(number), count - rest);
+    }
+
     // Says which of the numbers from may.least to may.most `first` is, the middle of those left against each.
     template <class Code>
     std::uint32_t tell(Halves may, std::uint32_t n, std::uint32_t first, Code&& code) {
@@ -254,6 +275,12 @@ class SiteCoder {
     // The n sites of a cell, one half after the other.
     void split(const Halving& halving, int level, Site cell, std::uint32_t n, std::size_t at, std::vector<Site>& sites) {
         for (; level < halving.levels(); ++level) {
+            if (n == 1 && halving.is_whole(cell, level)) {
+                // What is told is whether it is in the first half: a way has the contrary.
+                const std::uint64_t told = digits(coder_->writes() ? ~ways_[at] : 0, halving.levels() - level);
+                sites.push_back(halving.follow(cell, level, ~told));
+                return;
+            }
             const std::size_t a = halving.axis(level);
             const Halves may = bounds(halving, level, cell, n);
             std::uint32_t first = may.least;

@@ -277,6 +277,13 @@ class Triangulation {
     const Triangulation::Index c = mesh.apex(e);
     return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
 }
+/// Twice the area of the triangles around a point.
+[[nodiscard]] inline std::int64_t area_around(const Triangulation& mesh, Triangulation::Index v) {
+    std::int64_t area = 0;
+    Triangulation::Index e = mesh.first(v);
+    for (Triangulation::Index k = 0; k < mesh.degree(v); ++k, e = mesh.next(e)) area += area_beside(mesh, e);
+    return area;
+}
 
 }  // namespace hmesh::detail
 

@@ -117,7 +117,7 @@ class ColorCoder {
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             foretelling_.look(mesh, used, v, last);
-            if (is_coarse) find_area(mesh, v);
+            const std::int64_t area = is_coarse ? foretelling_.area(mesh) : 0;
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
             if (coder_->writes() && !is_coarse) {
@@ -133,7 +133,7 @@ class ColorCoder {
                 const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
                 Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
-                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area_, channel, is_rgb);
+                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area, channel, is_rgb);
                 plane.first = !is_coarse ? (plane.most + 1) / 2 : is_difference ? CoarseColors::middle : 2048;
                 const std::int64_t got = code_number(v, plane, truth[channel], before, turns);
                 if (got < 0) return false;
@@ -176,14 +176,6 @@ class ColorCoder {
             return {&of.spread_[spread + size], &of.misses_[misses + size], &of.others_[others + size], &of.place_[place + size]};
         }
     };
-
-    // Twice the area of the faces around v.
-    void find_area(const Triangulation& mesh, std::size_t v) {
-        const auto at = static_cast<Triangulation::Index>(v);
-        area_ = 0;
-        Triangulation::Index e = mesh.first(at);
-        for (Triangulation::Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) area_ += area_beside(mesh, e);
-    }
 
     // Which multiple of a plane's step is best: of the least error and bits together.
     [[nodiscard]] std::int64_t coarse_difference(std::size_t v, const Plane& plane, std::int64_t guess, const Sizes& sizes) {
@@ -231,7 +223,7 @@ class ColorCoder {
         const std::size_t other = std::min<std::size_t>(before[0], 9) + (before[1] > before[0] ? 10 : 0);
         const std::size_t at = channel * 20 * steps;
         const Sizes sizes{at + spread_level * steps, at + missed_level * steps, at + other * steps,
-                          channel * 20 * 8 * steps + (foretelling_.distance() * 8 + foretelling_.known()) * steps,
+                          channel * 20 * 8 * steps + (foretelling_.coded().digits() * 8 + foretelling_.coded().count()) * steps,
                           channel * steps};
         if (coarse_->step > 0 && coder_->writes()) difference = coarse_difference(v, plane, guess, sizes);
         // The number of digits of the difference, one by one.
@@ -286,7 +278,6 @@ class ColorCoder {
     Mixer<4> sizes_;
     std::vector<AdaptiveBit> spread_, misses_, others_, place_, signs_, digits_;
     ColorChoice choice_;
-    std::int64_t area_ = 0;
 };
 
 }  // namespace hmesh::detail

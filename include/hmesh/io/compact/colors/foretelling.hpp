@@ -48,6 +48,27 @@ struct ColorNumbers {
     return std::max(x, y) + 3 * std::min(x, y) / 8;
 }
 
+/// The neighbours of a vertex that were coded before it.
+class CodedNeighbors {
+  public:
+    static constexpr std::int64_t farthest = std::int64_t{1} << 26;  ///< as far as none is
+    /// One more, so far away.
+    void add(std::int64_t distance) noexcept {
+        nearest_ = std::min(nearest_, distance);
+        ++count_;
+    }
+    [[nodiscard]] std::int64_t nearest() const noexcept { return nearest_; }  ///< how far the nearest is
+    /// Binary digits of that, at most 19.
+    [[nodiscard]] std::size_t digits() const noexcept {
+        return static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest_)), 19));
+    }
+    [[nodiscard]] std::size_t count() const noexcept { return std::min<std::size_t>(count_, 7); }  ///< how many, at most 7
+
+  private:
+    std::int64_t nearest_ = farthest;
+    std::size_t count_ = 0;
+};
+
 /// Foretells by the mean of the neighbours coded before, each as the distance's reciprocal.
 class DistanceForetelling {
   public:
@@ -60,8 +81,8 @@ class DistanceForetelling {
     void look(const Triangulation& mesh, const std::vector<bool>& used, std::size_t v, std::size_t last) {
         using Index = Triangulation::Index;
         neighbors_.clear();
+        coded_ = {};
         at_ = v;
-        std::int64_t nearest = std::int64_t{1} << 26;
         const auto at = static_cast<Index>(v);
         const GridPoint p = mesh.point(at);
         Index e = mesh.first(at);
@@ -69,17 +90,23 @@ class DistanceForetelling {
             const std::size_t u = mesh.to(e);
             if (u >= v || !used[u]) continue;
             const std::int64_t distance = distance_of(p, mesh.point(static_cast<Index>(u)));
-            nearest = std::min(nearest, distance);
+            coded_.add(distance);
             neighbors_.push_back({u, distance});
         }
         // Of up to 2^24 neighbours sums stay below 2^62.
-        for (Neighbor& neighbor : neighbors_) neighbor.weight = std::max<std::int64_t>(1, nearest * one_ / neighbor.weight);
-        if (neighbors_.empty() && last < v) neighbors_.push_back({last, 1});
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(neighbors_.size(), 7);
+        for (Neighbor& neighbor : neighbors_)
+            neighbor.weight = std::max<std::int64_t>(1, coded_.nearest() * one_ / neighbor.weight);
+        if (neighbors_.empty() && last < v) {
+            coded_.add(CodedNeighbors::farthest);
+            neighbors_.push_back({last, 1});
+        }
     }
-    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest one, at most 19
-    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many there are, at most 7
+    /// The neighbours of the vertex looked at that were coded before it.
+    [[nodiscard]] const CodedNeighbors& coded() const noexcept { return coded_; }
+    /// Twice the area of the faces around the vertex looked at.
+    [[nodiscard]] std::int64_t area(const Triangulation& mesh) const noexcept {
+        return area_around(mesh, static_cast<Triangulation::Index>(at_));
+    }
 
     /// Foretells the number of a channel, in [0, most]; `first` where nothing is known.
     [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t /*most*/) const noexcept {
@@ -116,7 +143,8 @@ class DistanceForetelling {
     std::int64_t one_;
     std::vector<std::uint32_t> planes_, missed_;
     std::vector<Neighbor> neighbors_;
-    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+    CodedNeighbors coded_;
+    std::size_t at_ = 0;
 };
 
 /// Foretells by the mean of all neighbours, each as the area of the triangles that it shares with the vertex; those not coded yet
@@ -137,32 +165,32 @@ class AreaForetelling {
         using Index = Triangulation::Index;
         neighbors_.clear();
         later_.clear();
+        coded_ = {};
         at_ = v;
-        known_ = 0;
-        std::int64_t nearest = std::int64_t{1} << 26;
+        area_ = 0;
         const auto at = static_cast<Index>(v);
         Index e = mesh.first(at);
         std::int64_t before = area_beside(mesh, mesh.previous(e));
         for (Index k = 0; k < mesh.degree(at); ++k, e = mesh.next(e)) {
             const std::int64_t area = area_beside(mesh, e), shared = (before + area) / unit_ + 1;
+            area_ += area;
             before = area;
             const std::size_t u = mesh.to(e);
             if (!used[u]) continue;
             if (u < v) {
-                nearest = std::min(nearest, distance_of(mesh.point(at), mesh.point(static_cast<Index>(u))));
+                coded_.add(distance_of(mesh.point(at), mesh.point(static_cast<Index>(u))));
                 add_neighbor(shared, known_of_[u], 1);
-                ++known_;
             } else {
                 later_.push_back({u, shared});
                 if (known_of_[u].weights > 0) add_neighbor(shared, known_of_[u], known_of_[u].weights);
             }
         }
         if (neighbors_.empty() && last < v) add_neighbor(1, known_of_[last], 1);
-        distance_ = static_cast<std::size_t>(std::min(digits_of(static_cast<std::uint64_t>(nearest)), 19));
-        known_ = std::min<std::size_t>(known_, 7);
     }
-    [[nodiscard]] std::size_t distance() const noexcept { return distance_; }  ///< digits of that to the nearest coded one
-    [[nodiscard]] std::size_t known() const noexcept { return known_; }        ///< how many are coded, at most 7
+    /// As of DistanceForetelling.
+    [[nodiscard]] const CodedNeighbors& coded() const noexcept { return coded_; }
+    /// As of DistanceForetelling.
+    [[nodiscard]] std::int64_t area(const Triangulation& /*mesh*/) const noexcept { return area_; }
 
     /// As of DistanceForetelling.
     [[nodiscard]] Foretold foretell(std::size_t channel, std::int64_t first, std::int64_t most) noexcept {
@@ -174,12 +202,13 @@ class AreaForetelling {
             out.weights += neighbor.weight;
         }
         if (out.weights == 0) return out.guess = mean_ = first, out;
+        if (channel == 1 && has_luma_) off_[0] = now_[0] - mean(0, out.weights);
         mean_ = out.guess = mean(channel, out.weights);
         if (is_difference)
             for (std::size_t k = 0; k < channel; ++k) {
-                off_[k] = now_[k] - mean(k, out.weights);
                 const Slope slope = slopes_[channel - 1][k];
-                out.guess += slope.both * off_[k] / slope.square;
+                told_[k] = slope.both * off_[k] / slope.square;
+                out.guess += told_[k];
             }
         out.guess = std::max<std::int64_t>(0, std::min(out.guess, most));
         for (const Neighbor& neighbor : neighbors_) {
@@ -193,13 +222,12 @@ class AreaForetelling {
         now_[channel] = number;
         missed_[channel] = missed;
         if (!has_luma_ || channel == 0 || channel > 2 || neighbors_.empty()) return;
-        std::int64_t off = number - mean_;
+        std::int64_t off = off_[channel] = number - mean_;
         for (std::size_t k = 0; k < channel; ++k) {
             Slope& slope = slopes_[channel - 1][k];
-            const std::int64_t told = slope.both * off_[k] / slope.square;
             slope.both += off_[k] * off - slope.both / 512;
             slope.square += off_[k] * off_[k] - slope.square / 512;
-            off -= told;
+            off -= told_[k];
         }
     }
     /// All channels of the vertex are coded: its neighbours that come later know of it.
@@ -264,9 +292,12 @@ class AreaForetelling {
     std::array<std::array<Slope, 2>, 2> slopes_{};  // of the second and third channel by those before
     std::vector<Neighbor> neighbors_;
     std::vector<Later> later_;
-    Numbers now_{}, missed_{}, off_{};
-    std::int64_t mean_ = 0;
-    std::size_t at_ = 0, distance_ = 0, known_ = 0;
+    Numbers now_{}, missed_{};
+    Numbers off_{};                       // of a luma and differences, what the number is off the mean by like luma
+    std::array<std::int64_t, 2> told_{};  // of a difference, what the channels before tell of it
+    CodedNeighbors coded_;
+    std::int64_t mean_ = 0, area_ = 0;
+    std::size_t at_ = 0;
 };
 
 }  // namespace hmesh::detail
