@@ -129,7 +129,7 @@ def send_once_caught(job, which, delay):
 def is_failure(run, sentence):
     assert run.returncode == 1
     assert re.fullmatch(r"hmesh(-terrain)?: .*\n", run.stderr) and sentence in run.stderr
-    assert not list(Path().rglob("*.part*"))
+    assert not list(Path().rglob("*.hmesh-part*"))
 
 
 @pytest.fixture

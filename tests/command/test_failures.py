@@ -1,8 +1,10 @@
 """What cannot be read, meshed or written, and Ctrl-C."""
+import contextlib
 import fcntl
 import json
 import os
 import resource
+import shutil
 import signal
 import subprocess
 import time
@@ -143,20 +145,20 @@ def test_ctrl_c_in_a_search_with_keep_partial_writes_the_mesh_reached_so_far(hme
 
 def test_what_a_killed_run_leaves_behind_is_in_nobodys_way(hmesh):
     for number in range(100):
-        Path(f"keep.ply.part{number}").write_bytes(b"left behind")
+        Path(f"keep.ply.hmesh-part{number}").write_bytes(b"left behind")
     hmesh.done("grey.pgm --vertices 40 -o keep.ply")
     assert is_whole("keep.ply")
-    with open("keep.ply.part1", "r+b") as taken:  # of a run that still goes on
+    with open("keep.ply.hmesh-part1", "r+b") as taken:  # of a run that still goes on
         fcntl.flock(taken, fcntl.LOCK_EX)
         hmesh.done("grey.pgm --vertices 41 -o keep.ply")
         hmesh.done("grey.pgm --vertices 42 -o keep.ply")
-    assert is_whole("keep.ply") and read("keep.ply.part1") == b"left behind"
+    assert is_whole("keep.ply") and read("keep.ply.hmesh-part1") == b"left behind"
     Path("link.glb").symlink_to("not_there.ply")
     run = hmesh.run("grey.pgm -o not_there.ply -o link.glb")
     assert run.returncode == 2 and "named for two outputs" in run.stderr and not Path("not_there.ply").exists()
     Path("other").write_bytes(b"somebody's")
-    Path("linked.ply.part0").symlink_to("other")
-    os.link("other", "linked.ply.part1")
+    Path("linked.ply.hmesh-part0").symlink_to("other")
+    os.link("other", "linked.ply.hmesh-part1")
     hmesh.done("grey.pgm --vertices 40 -o linked.ply")
     assert read("other") == b"somebody's"
 
@@ -172,7 +174,41 @@ def test_runs_that_write_one_file_at_once_each_write_it_whole(hmesh):
                 for k in range(12)]
         assert [(run.communicate(timeout=60)[1], run.returncode) for run in runs] == [(b"", 0)] * 12
         assert read("shared.ply") in whole
-    assert not list(Path().glob("*.part*"))
+    assert not list(Path().glob("*.hmesh-part*"))
+
+
+def test_an_interrupt_while_files_are_written_leaves_all_as_they_were(hmesh):
+    hmesh.done("large.png --effort draft --vertices 50 -o a.ply --render r.png")
+    before = contents()
+    with subprocess.Popen(hmesh.words("large.png --effort draft --vertices 60 -o a.ply --render r.png --render-scale 8 -q"),
+                          stderr=subprocess.PIPE) as run:
+        while run.poll() is None and not (Path("a.ply.hmesh-part0").exists() and read("a.ply.hmesh-part0")):
+            time.sleep(0.001)
+        run.send_signal(signal.SIGTERM)
+        assert run.wait() == 1 and b"cannot write 'r.png': interrupted" in run.stderr.read()
+    assert contents() == before
+
+
+def test_a_folder_that_another_run_takes_away_is_made_again(hmesh):
+    with subprocess.Popen(hmesh.words("large.png --effort fast -o 'out/{name}.ply' -q")) as run:
+        while run.poll() is None and not Path("out").exists():
+            time.sleep(0.001)
+        while Path("out").exists() and run.poll() is None:  # its test of the file keeps it there at first
+            with contextlib.suppress(OSError):
+                Path("out").rmdir()
+        assert run.wait() == 0
+    assert is_whole("out/large.ply")
+
+
+def test_what_is_no_part_of_an_output_is_left_alone(hmesh):
+    shutil.copy("grey.pgm", "a.ply.hmesh-part0")
+    run = hmesh.run("a.ply.hmesh-part0 -o a.ply")
+    assert run.returncode == 2 and "has not finished writing" in run.stderr and read("a.ply.hmesh-part0") == read("grey.pgm")
+    Path("a.ply.hmesh-part0").unlink()
+    Path("a.ply.part0").write_text("precious")
+    long_name = "ä" * 125 + ".ply"  # 254 bytes
+    hmesh.done(f"grey.pgm -o a.ply -o {long_name}")
+    assert read("a.ply.part0") == b"precious" and read(long_name) == read("a.ply")
 
 
 def test_a_run_that_is_ended_at_any_moment_leaves_the_old_file_or_the_new_one(hmesh):
@@ -197,7 +233,7 @@ def test_a_run_that_is_ended_at_any_moment_leaves_the_old_file_or_the_new_one(hm
                 job.send_signal(which)
             assert all(read(name) in [old[name], new[name]] for name in old)
     assert run(901).wait() == 0 and {name: read(name) for name in old} == new
-    left = [path.name for path in Path().glob("a.*.part*")]
+    left = [path.name for path in Path().glob("a.*.hmesh-part*")]
     assert left == []
 
 

@@ -5,6 +5,7 @@ import json
 import math
 import os
 import re
+import shlex
 import shutil
 import subprocess
 from pathlib import Path
@@ -298,13 +299,29 @@ def test_a_depfile_says_what_was_read_for_what_was_written(hmesh):
     shutil.copy("grey.pgm", "a #1 $2.pgm")
     hmesh.done("'a #1 $2.pgm' -o 'b $.ply' --report b.json --weights grey.pgm --depfile b.d")
     assert Path("b.d").read_text() == "b\\ $$.ply b.json: \\\n  a\\ \\#1\\ $$2.pgm \\\n  grey.pgm\n"
-    if shutil.which("make") is None:
-        pytest.skip("there is no make")
-    Path("makefile").write_text("include b.d\nb\\ $$.ply:\n\techo again\n")
-    assert subprocess.run(["make", "-q", "b $.ply"]).returncode == 0
-    later = Path("b $.ply").stat().st_mtime + 10
-    os.utime("grey.pgm", (later, later))
-    assert subprocess.run(["make", "-s", "b $.ply"], capture_output=True).stdout == b"again\n"
+
+
+@pytest.mark.parametrize("engine", ["make", "ninja"])
+@pytest.mark.parametrize("image, mesh", [("a #1 $2.pgm", "b $.ply"), ("a:b (1),{2}@!+.pgm", "c:d.ply")])
+def test_make_and_ninja_run_again_what_has_changed(hmesh, engine, image, mesh):
+    if shutil.which(engine) is None:
+        pytest.skip(f"there is no {engine}")
+    shutil.copy("grey.pgm", image)
+    call = shlex.join(hmesh.words([image, "-o", mesh, "--depfile", "a.d", "-q"])).replace("$", "$$")
+    named = mesh.replace("$", "$$")
+    Path("makefile").write_text("-include a.d\n" + re.sub("([ :])", r"\\\1", named) + f":\n\t{call}\n")
+    target = re.sub("([ :])", r"$\1", named)
+    Path("build.ninja").write_text(f"rule mesh\n  command = {call}\n  depfile = a.d\nbuild {target}: mesh\n")
+
+    def made():
+        assert subprocess.run([engine, mesh], capture_output=True).returncode == 0
+        return Path(mesh).stat().st_mtime_ns
+
+    first = made()
+    assert made() == first
+    later = Path(mesh).stat().st_mtime + 10
+    os.utime(image, (later, later))
+    assert made() != first
 
 
 def test_a_terminal_shows_a_progress_bar_unless_quiet(hmesh):

@@ -31,7 +31,7 @@
 #include "terminal/say.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
-#include "writers/new_folders.hpp"
+#include "writers/output_set.hpp"
 
 namespace tool {
 namespace {
@@ -173,7 +173,8 @@ std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
 }
 
 // The files of an outline of the image, in place of a mesh.
-Failure make_outline(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, ProgressWatch& watch) {
+Failure make_outline(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, OutputSet& outputs,
+                     ProgressWatch& watch) {
     const hmesh::Outline outline = outline_file(image, arguments.outline_options);
     const double seconds = watch.seconds();
     if (!outline.status) return {"the outline of " + input_words(arguments.input) + ": " + in_words(outline.status)};
@@ -181,7 +182,7 @@ Failure make_outline(const Arguments& arguments, bool is_one_of_several, const I
         return is_wanted ? outline_json(arguments, image, outline, seconds, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_outline_files(arguments, image, outline, file_report); !why.empty()) return {why};
+    if (std::string why = write_outline_files(arguments, image, outline, file_report, outputs); !why.empty()) return {why};
     watch.finish();
     std::string why = tell(arguments, report(arguments.json, Layout::one_line),
                            [&](std::FILE* to) { print_outline(to, arguments, image, outline, is_one_of_several, seconds); });
@@ -214,10 +215,10 @@ Failure convert(Arguments arguments, bool is_one_of_several, const std::vector<u
     Made made;
     if (const std::string why = read_mesh(bytes, arguments, image, made); !why.empty())
         return {"cannot read " + input_words(arguments.input) + ": " + why};
-    NewFolders folders;
-    if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
+    OutputSet outputs(arguments.folders);
+    if (std::string why = outputs.test(output_files(arguments)); !why.empty()) return {why};
     watch.begin_mesh(0, 0, writing_work(arguments, image));
-    if (std::string why = write_files(arguments, image, {}, made, {}, watch); !why.empty()) return {why};
+    if (std::string why = write_files(arguments, image, {}, made, {}, outputs, watch); !why.empty()) return {why};
     made.seconds = watch.seconds();
     watch.finish();
     std::string why = tell(arguments, {}, [&](std::FILE* to) { print_read(to, arguments, image, made, is_one_of_several); });
@@ -227,7 +228,7 @@ Failure convert(Arguments arguments, bool is_one_of_several, const std::vector<u
 Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
     ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
     Inputs inputs;
-    NewFolders folders;
+    OutputSet outputs(arguments.folders);
     if (!arguments.out_of_core)  // else it is read as it is meshed
         if (const std::string why = read_file(arguments.input, inputs.bytes); !why.empty())
             return {"cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why)};
@@ -237,11 +238,11 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
     if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)
         if (std::string why = find_too_many_levels(arguments.meshing, budget(arguments.meshing.target, image)); !why.empty())
             return {input_words(arguments.input) + ": " + why};
-    if (std::string why = find_unwritable(arguments, folders); !why.empty()) return {why};
+    if (std::string why = outputs.test(output_files(arguments)); !why.empty()) return {why};
     if (arguments.outline) {
         if (arguments.alpha >= 0) arguments.outline_options.threshold = arguments.alpha;
         watch.begin_mesh(0.03 * image.width * image.height, 0.03 * image.width * image.height, 1);
-        return make_outline(arguments, is_one_of_several, image, watch);
+        return make_outline(arguments, is_one_of_several, image, outputs, watch);
     }
     if (arguments.sprite) {
         arguments.meshing.premultiplied = arguments.meshing.premultiplied || hmesh::kit::has_alpha(image.channels);
@@ -318,7 +319,7 @@ Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<exa
         return is_wanted ? report_json(arguments, image, made, watch, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, made, file_report, watch);
+    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, made, file_report, outputs, watch);
         !why.empty())
         return {why, false, is_interrupted};
     watch.finish();

@@ -94,6 +94,9 @@ std::string in_two_images(const std::string& file, const Arguments& a, const Arg
 
 std::string find_clash(const std::vector<Arguments>& images) {
     if (std::string why = find_stream_clash(images); !why.empty()) return why;
+    for (const Arguments& image : images)
+        for (const std::string& file : input_files(image))
+            if (is_part(file)) return "'" + file + "' is what a run has not finished writing, and the next one writes over it";
     FileSet inputs, weights, outputs;
     for (const Arguments& image : images) {
         inputs.add(image.input, 0);

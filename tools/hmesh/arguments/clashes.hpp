@@ -9,8 +9,9 @@
 
 namespace tool {
 
-// Whether an output would overwrite what is read or another output, or a standard stream is named for two things, or is a
-// terminal that would be shown no text. Devices may be named twice. Returns "" or a sentence.
+// Whether an output would overwrite what is read or another output, an input is an output that was not finished, or a standard
+// stream is named for two things, or is a terminal that would be shown no text. Devices may be named twice. Returns "" or a
+// sentence.
 [[nodiscard]] std::string find_clash(const std::vector<Arguments>& images);
 
 }  // namespace tool

@@ -12,7 +12,6 @@
 #include "terminal/words.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
-#include "writers/write_file.hpp"
 #include "writers/write_picture.hpp"
 
 namespace tool {
@@ -51,7 +50,7 @@ Rgb over_grey(const Picture& picture) {
 }
 
 // The image twice as large with the outline's edges.
-std::string write_edges(const std::string& name, const ImageFile& image, const hmesh::MeshView& mesh) {
+std::string write_edges(OutputSet& files, const std::string& name, const ImageFile& image, const hmesh::MeshView& mesh) {
     const Rgb rgb = over_grey(to_picture(image));
     const int scale = wireframe_scale(image.width, image.height);
     Rgb large(scale * rgb.width(), scale * rgb.height());
@@ -59,28 +58,28 @@ std::string write_edges(const std::string& name, const ImageFile& image, const h
         for (int x = 0; x < large.width(); ++x)
             for (int c = 0; c < 3; ++c) large.pixel(x, y)[c] = rgb.pixel(x / scale, y / scale)[c];
     const hmesh::Status status = draw_wireframe(mesh, large);
-    return write_picture(name, status, to_picture(large));
+    return write_picture(files, name, status, to_picture(large));
 }
 
 }  // namespace
 
 std::string write_outline_files(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,
-                                const std::string& report) {
+                                const std::string& report, OutputSet& files) {
     const hmesh::MeshView mesh = outline.mesh.view();
     const auto in_sentence = [](const hmesh::Status& status) { return status ? std::string() : in_words(status); };
     std::string why;
     for (const MeshFile& file : arguments.meshes)
         if (why.empty())
-            why = write_file(file.name, [&](OutputFile& out) { return in_sentence(write_model(arguments, file, mesh, out)); });
+            why = files.write(file.name, [&](OutputFile& out) { return in_sentence(write_model(arguments, file, mesh, out)); });
     for (const std::string& material : arguments.materials)
         if (why.empty())
-            why = write_file(material, [&](OutputFile& out) {
+            why = files.write(material, [&](OutputFile& out) {
                 return in_sentence(hmesh::write_material(texture_name(arguments, material).c_str(), out));
             });
-    if (why.empty() && !arguments.wireframe.empty()) why = write_edges(arguments.wireframe, image, mesh);
-    if (why.empty() && !arguments.report.empty()) why = write_text(arguments.report, report);
-    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
-    return why;
+    if (why.empty() && !arguments.wireframe.empty()) why = write_edges(files, arguments.wireframe, image, mesh);
+    if (why.empty() && !arguments.report.empty()) why = files.write_text(arguments.report, report);
+    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(files, arguments);
+    return why.empty() ? files.commit() : why;
 }
 
 void print_outline(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,

@@ -9,12 +9,13 @@
 #include "hmesh/outline.hpp"
 #include "readers/image_file.hpp"
 #include "results/report.hpp"
+#include "writers/output_set.hpp"
 
 namespace tool {
 
-// Writes the files, each whole or not at all, up to the first that cannot be written. Returns "" or what went wrong.
+// Writes all files, or none. Returns "" or what went wrong.
 [[nodiscard]] std::string write_outline_files(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,
-                                              const std::string& report);
+                                              const std::string& report, OutputSet& files);
 
 // Lines for one image, or one line for each of several.
 void print_outline(std::FILE* to, const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,

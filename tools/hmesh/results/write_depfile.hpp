@@ -7,14 +7,14 @@
 
 #include "arguments/arguments.hpp"
 #include "writers/depfile.hpp"
-#include "writers/write_file.hpp"
+#include "writers/output_set.hpp"
 
 namespace tool {
 
-[[nodiscard]] inline std::string write_depfile(const Arguments& arguments) {
+[[nodiscard]] inline std::string write_depfile(OutputSet& files, const Arguments& arguments) {
     std::vector<std::string> written = output_files(arguments);
     written.pop_back();  // itself
-    return write_text(arguments.depfile, depfile(written, input_files(arguments)));
+    return files.write_text(arguments.depfile, depfile(written, input_files(arguments)));
 }
 
 }  // namespace tool

@@ -8,10 +8,9 @@
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
 #include "writers/formats.hpp"
-#include "writers/output_file.hpp"
+#include "writers/output_set.hpp"
 #include "writers/pictures.hpp"
 #include "writers/wireframe.hpp"
-#include "writers/write_file.hpp"
 #include "writers/write_picture.hpp"
 
 namespace tool {
@@ -45,7 +44,7 @@ double mesh_file_work(std::size_t vertices) { return 2.0 * static_cast<double>(v
 double picture_work(const ImageFile& image, int copies) { return 0.15 * image.width * image.height * copies; }
 
 std::string write_pictures(const Arguments& arguments, const ImageFile& image, const hmesh::Mesh& all,
-                           const std::vector<Map>& maps, ProgressWatch& watch) {
+                           const std::vector<Map>& maps, OutputSet& files, ProgressWatch& watch) {
     std::string why;
     const bool linear_light = arguments.meshing.fit_space == FitSpace::linear;  // as what it is meant for shows it
     const std::vector<std::string> renders = render_files(arguments);
@@ -54,7 +53,7 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
         Picture picture;
         const hmesh::Mesh part = maps.empty() ? hmesh::Mesh() : mesh_of(maps[i], all);
         const hmesh::Status status = draw((maps.empty() ? all : part).view(), {arguments.render_scale, linear_light}, picture);
-        if (why = write_picture(renders[i], status, picture); !why.empty()) return why;
+        if (why = write_picture(files, renders[i], status, picture); !why.empty()) return why;
     }
     if (arguments.wireframe.empty() && arguments.residual.empty() && arguments.strip.empty()) return {};
     const hmesh::Mesh first = maps.empty() ? hmesh::Mesh() : mesh_of(maps[0], all);  // these show one picture
@@ -63,18 +62,18 @@ std::string write_pictures(const Arguments& arguments, const ImageFile& image, c
     if (!arguments.wireframe.empty()) {
         watch.step("drawing", picture_work(image, 4));
         const hmesh::Status status = draw_with_edges(mesh, {wireframe_scale(mesh.width, mesh.height), linear_light}, rgb);
-        if (why = write_picture(arguments.wireframe, status, to_picture(rgb)); !why.empty()) return why;
+        if (why = write_picture(files, arguments.wireframe, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.residual.empty()) {
         watch.step("drawing", picture_work(image, 1));
         const hmesh::Status status = draw_rgb(mesh, {1, linear_light}, rgb);
         if (status) rgb = residual(to_rgb(to_picture(image)), rgb);
-        if (why = write_picture(arguments.residual, status, to_picture(rgb)); !why.empty()) return why;
+        if (why = write_picture(files, arguments.residual, status, to_picture(rgb)); !why.empty()) return why;
     }
     if (!arguments.strip.empty()) {
         watch.step("drawing", picture_work(image, 4));
         const hmesh::Status status = draw_strip(mesh, linear_light, to_rgb(to_picture(image)), rgb);
-        if (why = write_picture(arguments.strip, status, to_picture(rgb)); !why.empty()) return why;
+        if (why = write_picture(files, arguments.strip, status, to_picture(rgb)); !why.empty()) return why;
     }
     return {};
 }
@@ -86,7 +85,7 @@ hmesh::MeshView view_of(const Arguments& arguments, const Level& level, const st
 }
 
 std::string write_meshes(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                         const Made& made, ProgressWatch& watch) {
+                         const Made& made, OutputSet& files, ProgressWatch& watch) {
     const std::vector<hmesh::ChannelGroup> groups = groups_of(made.maps);
     FormatOptions options;
     options.glb = arguments.glb;
@@ -104,7 +103,7 @@ std::string write_meshes(const Arguments& arguments, const ImageFile& image, con
             WebPage page;
             if (wanted.ending == ".html") page = make_web_page(arguments, image, bytes, made.levels[k].outcome.report);
             options.html = page.options();
-            const std::string why = write_file(k == 0 ? wanted.name : wanted.coarser[k - 1], [&](OutputFile& file) {
+            const std::string why = files.write(k == 0 ? wanted.name : wanted.coarser[k - 1], [&](OutputFile& file) {
                 if (!made.file.empty() && wanted.ending == ".hmc")
                     return file(made.file.data(), made.file.size()) ? std::string() : file.error();
                 const hmesh::Status status =
@@ -118,16 +117,6 @@ std::string write_meshes(const Arguments& arguments, const ImageFile& image, con
 }
 
 }  // namespace
-
-std::string find_unwritable(const Arguments& arguments, NewFolders& folders) {
-    for (const std::string& folder : arguments.folders)
-        if (std::string why = folders.make(folder); !why.empty()) return why;
-    for (const std::string& name : output_files(arguments)) {
-        OutputFile file(name);
-        if (!file.is_writable()) return "cannot write '" + name + "': " + file.error();
-    }
-    return {};
-}
 
 double writing_work(const Arguments& arguments, const ImageFile& image) {
     double work = 1;
@@ -143,12 +132,12 @@ double writing_work(const Arguments& arguments, const ImageFile& image) {
 }
 
 std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                        const Made& made, const std::string& report, ProgressWatch& watch) {
-    std::string why = write_meshes(arguments, image, bytes, made, watch);
-    if (why.empty()) why = write_pictures(arguments, image, made.finest().outcome.mesh, made.maps, watch);
-    if (why.empty() && !arguments.report.empty()) why = write_text(arguments.report, report);
-    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(arguments);
-    return why;
+                        const Made& made, const std::string& report, OutputSet& files, ProgressWatch& watch) {
+    std::string why = write_meshes(arguments, image, bytes, made, files, watch);
+    if (why.empty()) why = write_pictures(arguments, image, made.finest().outcome.mesh, made.maps, files, watch);
+    if (why.empty() && !arguments.report.empty()) why = files.write_text(arguments.report, report);
+    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(files, arguments);
+    return why.empty() ? files.commit() : why;
 }
 
 }  // namespace tool

@@ -9,20 +9,17 @@
 #include "readers/image_file.hpp"
 #include "results/made.hpp"
 #include "terminal/progress_watch.hpp"
-#include "writers/new_folders.hpp"
+#include "writers/output_set.hpp"
 
 namespace tool {
-
-// Makes the folders that are to be made and tries whether each output can be written. Returns "" or why not, as a sentence.
-[[nodiscard]] std::string find_unwritable(const Arguments& arguments, NewFolders& folders);
 
 // About how long write_files() and the colours of a .glb for linear light take, in microseconds of one core.
 [[nodiscard]] double writing_work(const Arguments& arguments, const ImageFile& image);
 
-// Writes the files, each whole or not at all, up to the first that cannot be written. `bytes` are those of the image's file, for
-// .html; `report`: the report's text; `watch` is told of each file. Returns "" or what went wrong.
+// Writes all files, or none. `bytes` are those of the image's file, for .html; `report`: the report's text; `watch` is told of
+// each file. Returns "" or what went wrong.
 [[nodiscard]] std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
-                                      const Made& made, const std::string& report, ProgressWatch& watch);
+                                      const Made& made, const std::string& report, OutputSet& files, ProgressWatch& watch);
 
 }  // namespace tool
 

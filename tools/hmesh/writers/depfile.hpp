@@ -3,17 +3,30 @@
 #ifndef HMESH_TOOLS_WRITERS_DEPFILE_HPP
 #define HMESH_TOOLS_WRITERS_DEPFILE_HPP
 
+#include <cstring>
 #include <string>
 #include <vector>
 
 namespace tool {
+
+// What no name in a makefile can hold: make takes it for a pattern, an assignment or the begin of a command, or Ninja ends a name
+// there.
+inline constexpr char foreign_to_make[] = R"(\ * ? [ ] % = ; | < > ^ & ~ ' " `)";
+
+// Whether make and Ninja read a name as depfile() writes it.
+[[nodiscard]] inline bool is_make_name(const std::string& name) {
+    for (const char c : name)
+        if (static_cast<unsigned char>(c) < ' ' || (c != ' ' && std::strchr(foreign_to_make, c) != nullptr)) return false;
+    return true;
+}
+
 namespace detail {
 
-// A name as makefiles have it: a backslash before blanks and #, a dollar doubled. Ninja reads it alike.
+// A name as makefiles have it: a backslash before blanks, # and :, a dollar doubled. Ninja reads it alike.
 [[nodiscard]] inline std::string make_name(const std::string& name) {
     std::string out;
     for (const char c : name) {
-        if (c == ' ' || c == '#') out += '\\';
+        if (c == ' ' || c == '#' || c == ':') out += '\\';
         if (c == '$') out += '$';
         out += c;
     }

@@ -102,7 +102,28 @@ bool leads_nowhere(const std::string& path) {
     return !fs::exists(path, none) && fs::is_symlink(fs::symlink_status(path, none));
 }
 
+constexpr char part_ending[] = ".hmesh-part";
+
+// The file beside a target: as names have at most 255 bytes, that of a longer one begins with its first characters.
+std::string part_name(const std::string& target, int number) {
+    const fs::path path(target);
+    std::string name = path.filename().string();
+    constexpr std::size_t most = 240;
+    if (name.size() > most) {
+        std::size_t end = most;
+        while (end > 0 && (static_cast<unsigned char>(name[end]) & 0xc0U) == 0x80U) --end;  // within a character of UTF-8
+        name.resize(end);
+    }
+    return (path.parent_path() / (name + part_ending + std::to_string(number))).string();
+}
+
 }  // namespace
+
+bool is_part(const std::string& name) {
+    const std::size_t digits = name.find_last_not_of("0123456789") + 1;
+    const std::size_t length = sizeof part_ending - 1;
+    return digits != 0 && digits < name.size() && digits >= length && name.compare(digits - length, length, part_ending) == 0;
+}
 
 std::string end_of_links(std::string path) {
     std::error_code none;
@@ -133,6 +154,8 @@ bool OutputFile::is_writable() {
 }
 
 bool OutputFile::open() {
+    error_.clear();
+    reason_ = 0;
     if (refusal_ != 0) return fail(refusal_);
     errno = 0;
     if (is_standard_) {
@@ -146,7 +169,7 @@ bool OutputFile::open() {
     }
     if (!may_replace()) return fail(errno);
     for (int number = 0; number < 100 && file_ == nullptr; ++number) {
-        const std::string name = target_ + ".part" + std::to_string(number);
+        const std::string name = part_name(target_, number);
         errno = 0;
         file_ = open_part(name);
         if (file_ != nullptr) temporary_ = name;
@@ -161,7 +184,12 @@ bool OutputFile::operator()(const void* bytes, std::size_t size) {
     return std::fwrite(bytes, 1, size, file_) == size || fail(errno);
 }
 
-bool OutputFile::commit(bool is_lasting) {
+bool OutputFile::flush() {
+    errno = 0;
+    return std::fflush(file_) == 0 || fail(errno);
+}
+
+bool OutputFile::commit(bool is_lasting, bool replaces) {
     errno = 0;
     std::FILE* file = file_;
     file_ = nullptr;
@@ -178,6 +206,14 @@ bool OutputFile::commit(bool is_lasting) {
     std::error_code code;
     const fs::file_status replaced = fs::status(target_, code);
     if (fs::exists(replaced)) fs::permissions(temporary_, replaced.permissions(), code);
+    if (!replaces) {
+        fs::create_hard_link(temporary_, target_, code);
+        if (!code || code == std::errc::file_exists) {
+            discard();
+            put_names_on_disk(target_);
+            return true;
+        }
+    }  // elsewhere there are no such links
     fs::rename(temporary_, target_, code);
     if (!code) {
         temporary_.clear();
@@ -207,6 +243,7 @@ void OutputFile::discard() {
 }
 
 bool OutputFile::fail(int why) {
+    reason_ = why;
     error_ = why != 0 ? std::strerror(why) : "unknown error";
     return false;
 }

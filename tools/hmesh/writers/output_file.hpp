@@ -6,6 +6,7 @@
 #ifndef HMESH_TOOLS_WRITERS_OUTPUT_FILE_HPP
 #define HMESH_TOOLS_WRITERS_OUTPUT_FILE_HPP
 
+#include <cerrno>
 #include <cstddef>
 #include <cstdio>
 #include <string>
@@ -14,6 +15,9 @@ namespace tool {
 
 // The path or, where it is a link to a file that is to be made, that file's.
 [[nodiscard]] std::string end_of_links(std::string path);
+
+// Whether a file of this name is one that is being written, or that a killed program left behind: NAME.hmesh-part0 to 99.
+[[nodiscard]] bool is_part(const std::string& name);
 
 class OutputFile {
   public:
@@ -29,13 +33,20 @@ class OutputFile {
     [[nodiscard]] bool open();
     // A sink, as the exporters of hmesh want it.
     [[nodiscard]] bool operator()(const void* bytes, std::size_t size);
+    // Hands what was written to the system, which may find that there is no room for it.
+    [[nodiscard]] bool flush();
     // Closes the file and gives it its name. A lasting one is on the disk then, and a power cut leaves it as it is.
-    [[nodiscard]] bool commit(bool is_lasting = false);
+    [[nodiscard]] bool commit(bool is_lasting = false) { return commit(is_lasting, true); }
+    // The same of a lasting one, unless there is a file of that name by now, which stays as it is: true then, too.
+    [[nodiscard]] bool commit_new() { return commit(true, false); }
 
     // Why the last call returned false.
     [[nodiscard]] const std::string& error() const noexcept { return error_; }
+    // Whether that was for want of the folder.
+    [[nodiscard]] bool is_folder_missing() const noexcept { return reason_ == ENOENT; }
 
   private:
+    [[nodiscard]] bool commit(bool is_lasting, bool replaces);
     [[nodiscard]] bool may_replace() const;
     void discard();
     bool fail(int why);
@@ -44,6 +55,7 @@ class OutputFile {
     std::string target_, error_;
     std::string temporary_;  // the file beside the target while it exists, else empty
     int refusal_ = 0;        // why the target can be no file, as errno has it
+    int reason_ = 0;         // of error_, as errno has it
     bool in_place_ = false;
     bool is_standard_ = false;  // the standard output, which stays open
 };

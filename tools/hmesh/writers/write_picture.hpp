@@ -1,4 +1,4 @@
-// tools - writes a picture as PNG, whole or not at all, and says why not as a sentence.
+// tools - writes a picture as PNG, one of the files of a run, and says why not as a sentence.
 #ifndef HMESH_TOOLS_WRITERS_WRITE_PICTURE_HPP
 #define HMESH_TOOLS_WRITERS_WRITE_PICTURE_HPP
 
@@ -6,16 +6,17 @@
 
 #include "hmesh/core/status.hpp"
 #include "terminal/words.hpp"
+#include "writers/output_set.hpp"
 #include "writers/picture_file.hpp"
 #include "writers/pictures.hpp"
-#include "writers/write_file.hpp"
 
 namespace tool {
 
 // `drawn`: whether there is a picture.
-[[nodiscard]] inline std::string write_picture(const std::string& name, const hmesh::Status& drawn, const Picture& picture) {
+[[nodiscard]] inline std::string write_picture(OutputSet& files, const std::string& name, const hmesh::Status& drawn,
+                                               const Picture& picture) {
     if (!drawn) return "cannot draw '" + name + "': " + in_words(drawn);
-    return write_file(name, [&](OutputFile& file) {
+    return files.write(name, [&](OutputFile& file) {
         return write_png(picture, file) ? "" : "it has more than 2^30 samples, or there is no memory";
     });
 }
