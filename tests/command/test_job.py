@@ -334,7 +334,33 @@ def test_workers_on_one_task_at_once_do_no_harm(terrain):
     workers = [subprocess.Popen(terrain.words(f"job run job {first[k % 2]} {first[0]} -q"), stderr=subprocess.PIPE) for k in range(6)]
     assert [(worker.communicate(timeout=60)[1], worker.returncode) for worker in workers] == [(b"", 0)] * 6
     assert sums() == {name: whole[name] for name in ["0/0000_0000.glb", "0/0001_0000.glb"]} and set(receipts()) == set(first[:2])
-    assert not list(Path().rglob("*.part*"))
+    assert not list(Path().rglob("*.hmesh-part*"))
+
+
+def test_plans_at_once_leave_one_of_them_and_the_others_say_so(terrain):
+    write("dem.pgm", dems.pgm(ground(WIDTH, HEIGHT)))
+    for number in range(8):
+        plans = [subprocess.Popen(terrain.words(f"job plan dem.pgm -o job{number} --max-error {k % 2 + 8} --tiles {CELLS} -q"),
+                                  stderr=subprocess.PIPE) for k in range(6)]
+        said = [(planned.communicate(timeout=60)[1], planned.returncode) for planned in plans]
+        kept = int(json.loads(read(f"job{number}/plan.json"))["options"][1]) - 8
+        assert all(status == (0 if k % 2 == kept else 1) for k, (_, status) in enumerate(said))
+        assert all(b"holds another plan" in why for why, status in said if status)
+        assert not list(Path(f"job{number}").glob("*.hmesh-part*"))
+
+
+def test_a_plan_that_was_killed_while_it_was_written_can_be_made_again(terrain):
+    Path("job").mkdir()
+    write("job/plan.json.hmesh-part0", b"{")
+    plan(terrain)
+    assert not Path("job/plan.json.hmesh-part0").exists()
+
+
+def test_names_that_no_plan_can_hold_are_refused(terrain):
+    name = os.fsdecode(b"b\xff.pgm")
+    write(name, dems.pgm(ground(WIDTH, HEIGHT)))
+    terrain.fails("is no name in UTF-8", ["job", "plan", name, "-o", "job", "--max-error", "9"])
+    assert not Path("job").exists()
 
 
 def test_a_full_disk_loses_no_finished_task(terrain):

@@ -117,14 +117,6 @@ def test_vertices_go_where_they_are_worth_most(hmesh):
     assert counts[True] > 1.5 * counts[False]
 
 
-def test_a_job_is_not_joined_into_its_own_files(hmesh):
-    plan(hmesh)
-    finish(hmesh)
-    for own in ("job", "job/tiles", "./job/../job/tiles"):
-        hmesh.fails("holds the job's own files: join into another folder", f"job join job -o {own} --format glb")
-    assert hmesh.run("job status job").returncode == 0
-
-
 @pytest.mark.parametrize("kind", ["glb", "ply"])
 def test_tiles_in_a_folder_stand_in_their_places_and_meet_bit_for_bit(hmesh, kind):
     plan(hmesh)
@@ -414,3 +406,17 @@ def test_help_of_jobs(hmesh):
     assert "hmesh job plan IMAGE -o JOB" in hmesh.done("job --help")
     for command in "plan run status join".split():
         assert "Usage: hmesh job " + command in hmesh.done(f"job {command} --help")
+
+
+def test_join_writes_nothing_into_the_job_and_says_what_an_output_is_not(hmesh):
+    draw("image.ppm", value=lambda x, y, c: 77)
+    plan(hmesh)
+    finish(hmesh)
+    before = contents()
+    for output in ["job", "job/done", "job/x.ply", "./job/../job/tiles"]:
+        hmesh.fails("is within the job", f"job join job -o {output}")
+    for arguments, sentence in {"-o -": "--output - is no file", "-o x.glb --format ply": "'x.glb' is one file of the format .glb"}.items():
+        run = hmesh.run(f"job join job {arguments}")
+        assert run.returncode == 2 and sentence in run.stderr
+    assert contents() == before
+    assert "\nPSNR       inf dB of" in hmesh.done("job join job -o x.glb")

@@ -28,6 +28,10 @@ WRONG = rows("""
     larger number than any image has pixels   | grey.pgm --vertices 99999999999999999999
     --keep-partial is given with --depfile    | grey.pgm -o new.ply --depfile new.d --keep-partial
     makefiles have no names with control      | grey.pgm -o 'a\\b.ply' --depfile new.d
+    makefiles have no names with control      | grey.pgm -o 'a;b.ply' --depfile new.d
+    makefiles have no names with control      | grey.pgm -o 'a&b.ply' --depfile new.d
+    makefiles have no names with control      | grey.pgm -o a%b.ply --depfile new.d
+    makefiles have no names with control      | grey.pgm -o a=b.ply --depfile new.d
     has '-1', which must be from 0 to 1000000 | color.ppm --channel-weights 1,-1,1
     sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
     not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied

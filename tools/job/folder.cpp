@@ -21,7 +21,7 @@ bool Folder::has(const std::string& name) const {
     return fs::exists(path(name), none);
 }
 
-std::string Folder::write(const std::string& name, const void* bytes, std::size_t size) const {
+std::string Folder::write(const std::string& name, const void* bytes, std::size_t size, bool replaces) const {
     const std::string file = path(name), begin = "cannot write '" + file + "': ";
     std::error_code code;
     // Of the file and of the folders around it, those of the job alone: the job itself may be a link.
@@ -35,7 +35,7 @@ std::string Folder::write(const std::string& name, const void* bytes, std::size_
     tool::OutputFile out(file);
     if (!out.open() || !out(bytes, size)) return begin + out.error();
     if (tool::interrupted) return "interrupted; '" + file + "' is not written";
-    return out.commit(true) ? "" : begin + out.error();
+    return (replaces ? out.commit(true) : out.commit_new()) ? "" : begin + out.error();
 }
 
 std::string Folder::read(const std::string& name, std::vector<unsigned char>& bytes) const {

@@ -22,15 +22,23 @@ class Folder {
     [[nodiscard]] bool has(const std::string& name) const;
 
     // What returns a string returns "" or what is wrong, a sentence.
-    [[nodiscard]] std::string write(const std::string& name, const void* bytes, std::size_t size) const;
+    [[nodiscard]] std::string write(const std::string& name, const void* bytes, std::size_t size) const {
+        return write(name, bytes, size, true);
+    }
     [[nodiscard]] std::string write(const std::string& name, const std::string& text) const {
         return write(name, text.data(), text.size());
+    }
+    // The same unless there is one of that name by now, of another worker's: that one stays.
+    [[nodiscard]] std::string write_new(const std::string& name, const std::string& text) const {
+        return write(name, text.data(), text.size(), false);
     }
     [[nodiscard]] std::string read(const std::string& name, std::vector<unsigned char>& bytes) const;
     // Whether it is there or not.
     [[nodiscard]] std::string remove(const std::string& name) const;
 
   private:
+    [[nodiscard]] std::string write(const std::string& name, const void* bytes, std::size_t size, bool replaces) const;
+
     std::string path_;
 };
 

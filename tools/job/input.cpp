@@ -11,6 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+bool is_utf8(const std::string& text) {
+    try {
+        return !Json(text).dump().empty();
+    } catch (const Json::type_error&) {
+        return false;
+    }
+}
+
 std::string find_identity(const std::string& path, bool hashes, std::optional<InputIdentity>& identity) {
     std::error_code code;
     identity.reset();
@@ -29,6 +37,7 @@ std::string find_identity(const std::string& path, bool hashes, std::optional<In
 std::string find_input(const std::string& path, bool hashes, Input& input) {
     std::error_code code;
     input.path = fs::exists(path, code) ? fs::absolute(path).lexically_normal().string() : path;
+    if (!is_utf8(input.path)) return "'" + input.path + "' is no name in UTF-8, which plans are written in";
     return find_identity(input.path, hashes, input.identity);
 }
 

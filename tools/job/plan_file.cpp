@@ -9,6 +9,7 @@
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
 #include "job/sha256.hpp"
+#include "writers/output_file.hpp"
 
 namespace job {
 namespace {
@@ -42,7 +43,11 @@ std::string check_new(const Folder& folder) {
     const std::filesystem::path path(folder.path());
     if (!std::filesystem::exists(path, code)) return {};
     if (!std::filesystem::is_directory(path, code)) return "'" + folder.path() + "' is no folder";
-    if (folder.has(plan_file) || std::filesystem::is_empty(path, code)) return {};
+    if (folder.has(plan_file)) return {};
+    const std::filesystem::directory_iterator files(path, code);
+    const bool is_new =
+        std::all_of(begin(files), end(files), [](const auto& file) { return tool::is_part(file.path().string()); });
+    if (!code && is_new) return {};  // or another plan is about to be written, or was not
     return "'" + folder.path() + "' is not empty, and no job: name a new folder";
 }
 
@@ -52,7 +57,8 @@ Json begin_plan(const std::string& program) {
 
 std::string write_plan(const Folder& folder, const Json& values) {
     const std::string text = checked_text(values);
-    if (!folder.has(plan_file)) return folder.write(plan_file, text);
+    if (!folder.has(plan_file))
+        if (std::string why = folder.write_new(plan_file, text); !why.empty()) return why;
     std::vector<unsigned char> before;
     if (std::string why = folder.read(plan_file, before); !why.empty()) return why;
     if (std::string(before.begin(), before.end()) == text) return {};
@@ -74,6 +80,15 @@ std::string read_plan(const Folder& folder, const std::string& program, Json& va
                ", whose tiles need not meet those of that";
     identity = sha256_of(text.data(), text.size());
     return {};
+}
+
+std::string check_output(const Folder& folder, const std::string& output) {
+    namespace fs = std::filesystem;
+    std::error_code none;
+    const fs::path own = fs::weakly_canonical(folder.path(), none);
+    const fs::path to = fs::weakly_canonical(fs::absolute(output, none), none);
+    const bool is_within = std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end();
+    return is_within ? "'" + output + "' is within the job, whose files are its own: join into another place" : "";
 }
 
 std::string digits(int number, int most) {

@@ -38,6 +38,8 @@ bool parse_checked(const std::vector<unsigned char>& text, Json& values) {
     return check == sha256_of(rest.data(), rest.size());
 }
 
+std::string words_of(const Json& fact) { return fact.is_string() ? fact.get<std::string>() : fact.dump(); }
+
 std::string write_receipt(const Folder& folder, const std::string& plan, const std::string& task, const std::vector<Made>& made,
                           const Json& facts) {
     Json files = Json::array();

@@ -17,6 +17,7 @@
 #include "hmesh/core/version.hpp"
 #include "readers/image_file.hpp"
 #include "terminal/standard_streams.hpp"
+#include "writers/depfile.hpp"
 #include "writers/ending.hpp"
 #include "writers/formats.hpp"
 #include "writers/meshopt.hpp"
@@ -534,11 +535,10 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
         std::vector<std::string> names = inputs;
         for (const std::vector<std::string>& more : {output_files(arguments), input_files(arguments)})
             names.insert(names.end(), more.begin(), more.end());
-        const auto is_foreign = [](char c) { return static_cast<unsigned char>(c) < ' ' || c == '\\'; };
         for (const std::string& name : names)
-            if (std::any_of(name.begin(), name.end(), is_foreign))
-                return "--depfile is given with '" + name +
-                       "', and makefiles have no names with control characters or backslashes";
+            if (!is_make_name(name))
+                return "--depfile is given with '" + name + "', and makefiles have no names with control characters or any of " +
+                       foreign_to_make;
     }
     if (arguments.keep_partial && !arguments.depfile.empty())
         return "--keep-partial is given with --depfile, for which nothing but whole results is written";
@@ -721,10 +721,20 @@ void add_join_options(CLI::App& app, TileJob& out) {
     add_folder(app, out);
     add_text(app, "-o,--output", "PATH", "a file with the ending of a mesh format, or a folder for tiles and their index",
              out.output);
-    out.format = tile_formats[0].value;
     add_name(app, "--format", "of tiles in a folder: glb, ply, obj or hmc (default: glb)", tile_formats,
              [&](const char* format) { out.format = format; });
     add_quiet(app, out.quiet, version_words);
+}
+
+// What is wrong with the output of join, or "". Of a folder the format is given then.
+std::string find_join_conflict(TileJob& job) {
+    if (job.output.empty()) return "no output is given: -o names it";
+    if (is_standard(job.output)) return "--output - is no file and no folder, which tiles are joined into";
+    const std::string ending = format_ending(job.output);
+    if (!ending.empty() && !job.format.empty())
+        return "--format is given, of tiles in a folder, and '" + job.output + "' is one file of the format " + ending;
+    if (ending.empty() && job.format.empty()) job.format = tile_formats[0].value;
+    return {};
 }
 
 }  // namespace
@@ -748,7 +758,7 @@ TileJobLine parse_tile_job(const std::vector<std::string>& words) {
         return line;
     }
     if (!line.wrong.empty()) return line;
-    if (job.command == JobCommand::join && job.output.empty()) line.wrong = "no output is given: -o names it";
+    if (job.command == JobCommand::join) line.wrong = find_join_conflict(job);
     if (job.command != JobCommand::plan) return line;
     if (inputs.size() > 1) line.wrong = "'" + inputs[0] + "' and '" + inputs[1] + "' are two images: each is a job of its own";
     else if (is_standard(inputs.front())) line.wrong = "the standard input is no file, of which parts can be read";

@@ -25,7 +25,7 @@ struct TileOptions {
 struct TileJob : JobCall {
     TileOptions tiles;                                   // of plan
     hmesh::Target target = hmesh::Target::percent(1.0);  // of plan: vertices, or a percentage of the samples
-    std::string format;                                  // of join: ending of the tiles in a folder; empty: that of the output
+    std::string format;                                  // of join: that of the tiles in a folder; empty: the output is a file
 };
 
 struct TileJobLine {

@@ -6,6 +6,7 @@
 #include <system_error>
 #include <vector>
 
+#include "job/plan_file.hpp"
 #include "job/work.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/say.hpp"
@@ -57,20 +58,20 @@ int tell_status(const TileJob& arguments) {
 int join_job(const TileJob& arguments) {
     TilePlan plan;
     if (const std::string why = read_tile_plan(arguments.folder, "", plan); !why.empty()) return fail(failed, why);
+    if (const std::string why = job::check_output(plan.folder, arguments.output); !why.empty()) return fail(failed, why);
     job::Json facts;
     const job::Done index = job::find_done(plan.folder, plan.identity, "index", job::Look::bytes, facts);
     if (!index.why.empty()) return fail(failed, index.why);
     if (facts["open"].get<std::int64_t>() > 0)
         return fail(failed, "the tiles do not all meet, first " + facts["first"].get<std::string>());
-    const std::string ending = format_ending(arguments.output);
     std::string said;
-    if (const std::string why = !ending.empty() ? join_into_file(plan, arguments.output, said)
-                                                : join_into_folder(plan, arguments.output, "." + arguments.format, said);
+    if (const std::string why = arguments.format.empty() ? join_into_file(plan, arguments.output, said)
+                                                         : join_into_folder(plan, arguments.output, "." + arguments.format, said);
         !why.empty())
         return fail(failed, why);
     if (arguments.quiet) return done;
     return print("joined     " + said + "\nseams      " + facts["shared"].dump() + " vertices shared\nPSNR       " +
-                 facts["psnr"].dump() + " dB of the samples of all tiles (10 log10(peak^2 / MSE))\nwritten    " +
+                 job::words_of(facts["psnr"]) + " dB of the samples of all tiles (10 log10(peak^2 / MSE))\nwritten    " +
                  arguments.output + "\n");
 }
 

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <filesystem>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <vector>
@@ -140,10 +139,6 @@ std::string join_into_folder(const TilePlan& plan, const std::string& output, co
     std::vector<unsigned char> bytes;
     if (std::string why = job::read_made(plan.folder, receipt.made.front(), bytes); !why.empty()) return why;
     Json index = Json::parse(bytes.begin(), bytes.end());
-    std::error_code none;
-    for (const std::string& own : {plan.folder.path(), plan.folder.path("tiles")})
-        if (std::filesystem::equivalent(output, own, none))
-            return "'" + output + "' holds the job's own files: join into another folder";
     const job::Folder to(output);
     std::size_t number = 0;
     for (int level = 0; level < static_cast<int>(plan.levels.size()); ++level)

@@ -298,7 +298,8 @@ std::string TileWorker::run(const TileTask& task, const hmesh::ParallelFor& para
             case TileTaskKind::index: break;
         }
         const std::string why = make_index(made, facts);
-        return ended(why, why.empty() ? facts["vertices"].dump() + " vertices, PSNR " + facts["psnr"].dump() : "");
+        return ended(why,
+                     why.empty() ? job::words_of(facts["vertices"]) + " vertices, PSNR " + job::words_of(facts["psnr"]) : "");
     };
     return job::do_task(plan_.folder, plan_.identity, name_of(plan_, task), said, work);
 }
