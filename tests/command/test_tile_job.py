@@ -420,3 +420,19 @@ def test_join_writes_nothing_into_the_job_and_says_what_an_output_is_not(hmesh):
         assert run.returncode == 2 and sentence in run.stderr
     assert contents() == before
     assert "\nPSNR       inf dB of" in hmesh.done("job join job -o x.glb")
+
+
+def test_samples_far_above_one_have_sides_that_fit_them(hmesh):
+    size, samples = 120, [1e5 * math.sin(x / 9) * math.cos(y / 7) for y in range(120) for x in range(120)]
+    for name, factor in {"high": 1, "low": 1e-5}.items():
+        Path(f"{name}.pfm").write_bytes(b"Pf %d %d -1\n" % (size, size) + struct.pack(f"<{size * size}f", *[factor * s for s in samples]))
+        plan(hmesh, "--tile 64 --rate 6 --effort fast", f"{name}.pfm", name)
+        finish(hmesh, name)
+    assert [json.loads(read(f"{name}/tiles/index.json"))["vertices"] for name in ("high", "low")] == [864, 864]
+
+
+def test_levels_with_fewer_vertices_than_their_sides_need_say_so(hmesh):
+    draw("small.ppm", width=100, height=100)
+    tasks = sum(plan(hmesh, "--levels 3", "small.ppm"), [])
+    run = hmesh.run(["job", "run", "job", *tasks])
+    assert run.returncode == 1 and "the sides of the only tile need" in run.stderr and "take fewer levels by --levels" in run.stderr

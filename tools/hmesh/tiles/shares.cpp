@@ -86,9 +86,9 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 
 }  // namespace
 
-std::vector<double> side_tolerances(double peak) {
+std::vector<double> side_tolerances(double peak, bool is_open) {
     std::vector<double> tolerances;
-    for (int k = 2; k < 11; ++k)  // products and powers of two alone, which all machines round alike
+    for (int k = is_open ? -18 : 2; k < 11; ++k)  // products and powers of two alone, which all machines round alike
         for (const double step : {1.0, 0.7}) tolerances.push_back(step * (peak * std::exp2(-k)));
     return tolerances;
 }
@@ -124,9 +124,12 @@ std::string find_shares(const std::vector<Look>& looks, int across, int channels
     std::size_t t = 0;
     while (t + 1 < tolerances.size() && tolerances[t] > 1.4 * std::sqrt(energy / samples)) ++t;
     for (look_at_sides(t); t > 0 && 2 * (sum - again) > vertices; look_at_sides(t)) --t;
-    if (sum > vertices + again)
-        return "the sides of " + std::to_string(looks.size()) + " tiles need " + std::to_string(sum - again) +
-               " vertices, more than " + std::to_string(vertices) + ": take larger tiles by --tile, or more vertices";
+    if (sum > vertices + again) {
+        const bool is_one = looks.size() == 1;
+        return "the sides of " + (is_one ? "the only tile" : std::to_string(looks.size()) + " tiles") + " need " +
+               std::to_string(sum - again) + " vertices, more than " + std::to_string(vertices) + ": take " +
+               (is_one ? "fewer levels by --levels" : "larger tiles by --tile") + ", or more vertices";
+    }
     shares.tolerance = tolerances[t];
     shares.vertices = share_out(curves, least, most, vertices + again);
     return {};

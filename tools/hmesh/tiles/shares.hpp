@@ -33,9 +33,9 @@ struct Shares {
     double tolerance = 0;               // of sides, stored values
 };
 
-// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak to 0.7 of a 1024th, each
-// 0.7 of the one before, roughly.
-[[nodiscard]] std::vector<double> side_tolerances(double peak);
+// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak, or of samples that may be
+// far above it from 2^20 times that, to 0.7 of a 1024th, each 0.7 of the one before, roughly.
+[[nodiscard]] std::vector<double> side_tolerances(double peak, bool is_open);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
 // are taken within 1.4 times the mean error that such meshes have, so that they err little more than the rest (docs/jobs.md has

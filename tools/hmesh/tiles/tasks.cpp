@@ -35,8 +35,11 @@ MeshingOptions meshing_of(const TilePlan& plan, std::size_t vertices, hmesh::Pro
     return options;
 }
 
-std::vector<double> tolerances_of(const TilePlan& plan, double peak) {
-    return plan.options.border_tolerance ? std::vector<double>{*plan.options.border_tolerance} : side_tolerances(peak);
+std::vector<double> tolerances_of(const TilePlan& plan) {
+    if (plan.options.border_tolerance) return {*plan.options.border_tolerance};
+    ImageFile like;
+    like.bits = plan.bits;
+    return side_tolerances(peak_of(like), plan.bits == 32);
 }
 
 Json value_of(const TileSeams& seams) {
@@ -110,7 +113,7 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     Json trials = Json::array(), sides = Json::array();
     const double area = is_halved ? 4 : 1;  // of a pixel that was tried
     for (const hmesh::Result& trial : lods.levels) trials.push_back({trial.report.vertices, area * trial.report.energy});
-    for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_, peak_of(tile)))) sides.push_back(counts);
+    for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_))) sides.push_back(counts);
     facts = {
         {"trials", trials}, {"lost", lost}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
     return {};
@@ -118,9 +121,7 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
 
 std::string TileWorker::share(int number, Json& facts) {
     const TileLevel& level = plan_.level(number);
-    ImageFile like;
-    like.bits = plan_.bits;
-    const std::vector<double> tolerances = tolerances_of(plan_, peak_of(like));
+    const std::vector<double> tolerances = tolerances_of(plan_);
     std::vector<Look> looks;
     for (int y = 0; y < level.down(); ++y)
         for (int x = 0; x < level.across(); ++x) {
