@@ -48,13 +48,10 @@ class ArithmeticCoder {
     /// Codes the `count` <= 32 low bits of a number that may be any, the highest first. Returns it.
     std::uint32_t bits(std::uint32_t value, int count) {
         std::uint32_t got = 0;
-        if (writes()) {
-            for (int k = count - 1; k >= 0; --k) got = got << 1 | (bit((value >> k & 1U) != 0, 32768) ? 1U : 0U);
-            return got;
-        }
-        // No processor guesses them: read without branches they take a third of the time.
-        for (int k = 0; k < count; ++k) {
-            const std::uint32_t middle = low_ + (high_ - low_) / 2, is_one = code_ <= middle ? 1 : 0, ones = 0U - is_one;
+        while (count-- > 0) {
+            // No processor guesses them: without branches they are read in a third of the time.
+            const std::uint32_t middle = low_ + (high_ - low_) / 2;
+            const std::uint32_t is_one = writes() ? value >> count & 1U : code_ <= middle ? 1U : 0U, ones = 0U - is_one;
             high_ = (middle & ones) | (high_ & ~ones);
             low_ = (low_ & ones) | ((middle + 1) & ~ones);
             got = got << 1 | is_one;
