@@ -356,6 +356,15 @@ def test_a_plan_that_was_killed_while_it_was_written_can_be_made_again(terrain):
     assert not Path("job/plan.json.hmesh-part0").exists()
 
 
+def test_join_leaves_the_files_of_the_job_alone(terrain):
+    plan(terrain)
+    finish(terrain)
+    before = contents()
+    for output in ["job", "job/done", "job/x.ply"]:
+        terrain.fails("is within the job", f"job join job -o {output}")
+    assert terrain.run("job join job -o -").returncode == 2 and contents() == before
+
+
 def test_names_that_no_plan_can_hold_are_refused(terrain):
     name = os.fsdecode(b"b\xff.pgm")
     write(name, dems.pgm(ground(WIDTH, HEIGHT)))

@@ -4,6 +4,7 @@ import math
 import os
 import re
 import resource
+import shutil
 import signal
 import struct
 import subprocess
@@ -14,6 +15,7 @@ import pytest
 import dems
 from conftest import as_others, contents, is_failure, read, rows, send_once_caught
 from dems import ground, judge, read_model, with_holes
+from jobs import finish, forge, phases
 
 FORMATS = ["glb", "ply", "obj", "stl", "terrain"]
 EFFORTS = ["draft", "fast", "normal", "best"]
@@ -461,7 +463,9 @@ def test_resume_leaves_tiles_that_are_newer_than_the_input(terrain):
     Path("t_1_0.ply").unlink()
     report = report_of(terrain, "dem.pgm -o t.ply --max-error 7 --tiles 20 --resume")
     assert [t["is"] for t in report["tiles"]] == ["kept", "made", "kept", "kept"] and read("t_0_0.ply") == b"kept"
-    assert Path("t_1_0.ply").exists()
+    assert Path("t_1_0.ply").exists() and report["tiles"][1]["vertices"] > 0
+    assert [report[name] for name in ["vertices", "triangles", "max_error", "rms_error"]] == [None] * 4  # of all, hence not known
+    assert report["samples"] == 40 * 30 and report["no_data"] == {"value": None, "samples": None, "share": None}
     terrain.done("dem.pgm -o t.ply --max-error 7 --tiles 20")
     assert read("t_0_0.ply") == whole
     write("t_0_0.ply", b"old")
@@ -476,6 +480,62 @@ def test_a_tile_without_data_has_no_file(terrain):
     report = report_of(terrain, "dem.asc -o t.ply --max-error 7 --tiles 20")
     assert [t["is"] for t in report["tiles"]] == ["made", "empty"]
     assert Path("t_0_0.ply").exists() and not Path("t_1_0.ply").exists()
+
+
+def test_a_tile_that_has_no_data_any_more_has_no_file_of_a_run_before(terrain):
+    write("dem.asc", dems.asc([[7 if x < 20 else x + y for x in range(41)] for y in range(21)]))
+    terrain.done("dem.asc -o t.ply --max-error 1 --tiles 20")
+    assert Path("t_0_0.ply").exists()
+    terrain.done("dem.asc -o t.ply --max-error 1 --tiles 20 --no-data 7")
+    assert not Path("t_0_0.ply").exists() and Path("t_1_0.ply").exists()
+
+
+def test_samples_that_tiles_share_count_once(terrain):
+    write("dem.asc", dems.asc([[None if 10 < x < 40 and y < 25 else z for x, z in enumerate(row)] for y, row in enumerate(ground(60, 50))]))
+    whole, cut = (report_of(terrain, f"dem.asc -o x.ply --max-error 9 {tiles}") for tiles in ["", "--tiles 16"])
+    assert cut["samples"] == whole["samples"] == 60 * 50 and cut["no_data"] == whole["no_data"]
+    terrain.done("job plan dem.asc -o job --max-error 9 --tiles 16 --levels 2 -q")
+    finish(terrain)
+    index = json.loads(read("job/tiles/index.json"))
+    assert index["no_data"] == whole["no_data"] and [level["samples"] for level in index["levels"]] == [60 * 50, 30 * 25]
+
+
+@pytest.mark.parametrize("kind, options", [("ply", ""), ("terrain", f"{EXTENT} --heights 0,1")])
+def test_tiles_of_as_many_cells_as_help_allows_are_made_beside_others(terrain, kind, options):
+    most = int(re.search(r"cells a side, 1 to (\d+)", terrain.done("--help"))[1])
+    assert f"1 to {most} " in terrain.done("job plan --help")
+    write("dem.raw", bytes(2 * 2 * (2 * most + 2)))
+    arguments = f"dem.raw --size {2 * most + 2}x2 --type int16 -o t.{kind} {options} --max-error 1 --effort draft"
+    terrain.done(f"{arguments} --tiles {most}")
+    assert sorted(path.name for path in Path().glob("t_*")) == [f"t_{x}_0.{kind}" for x in range(3)]
+    assert terrain.run(f"{arguments} --tiles {most + 1}").returncode == 2
+
+
+def write_wide(name, width, height):
+    """A model of no height as GDAL has it, of any size."""
+    Path(name).write_text(f"<VRTDataset rasterXSize='{width}' rasterYSize='{height}'><VRTRasterBand dataType='Float32' band='1'/></VRTDataset>")
+
+
+def test_a_model_as_wide_as_any_is_cut_into_tiles(terrain):
+    needs_gdal(terrain)
+    side, cells = 2 ** 31 - 1, 65533
+    write_wide("dem.vrt", side, 2)
+    names = terrain.done(f"dem.vrt --tiles {cells} --list").split()
+    assert names == [f"{x}_0" for x in range((side - 2) // cells + 1)]
+    report = report_of(terrain, f"dem.vrt -o t.terrain {EXTENT} --heights 0,1 --max-error 1 --effort draft --tiles {cells} "
+                       f"--only {names[0]} --only {names[-1]}")
+    assert [t["column"] + t["width"] for t in report["tiles"]] == [cells + 1, side]
+
+
+def test_tiles_that_are_too_many_or_too_large_are_refused_before_any_is_made(terrain):
+    needs_gdal(terrain)
+    side = 2 ** 31 - 1
+    write_wide("dem.vrt", side, side)
+    terrain.fails(f"has {side} x {side} samples, more than 65536 a side", "dem.vrt -o x.ply --max-error 1")
+    for command in ["dem.vrt -o x.ply", "job plan dem.vrt -o job"]:
+        terrain.fails(f"would be {(side - 1) ** 2} tiles, more than 1000000", f"{command} --max-error 1 --tiles 1")
+        terrain.fails("has tiles of 20003 x 20003 samples, those beside them counted, more than 65536 a side or 268435456 in all",
+                      f"{command} --max-error 1 --tiles 20000")
 
 
 def test_tiles_of_the_globe_share_heights_and_say_their_degrees(terrain):
@@ -539,8 +599,6 @@ WRONG = rows("""
     --free-borders is given with --tiles          | dem.pgm -o x.ply --max-error 1 --free-borders --tiles 9
     --jobs '1025' must be from 0 to 1024          | dem.pgm -o x.ply --max-error 1 --jobs 1025
     two inputs                                    | dem.pgm dem.pgm -o x.ply --max-error 1
-    'dem.pgm' would be overwritten                | dem.pgm -o x.ply --max-error 1 --report dem.pgm
-    named for two outputs                         | dem.pgm -o x.ply --max-error 1 --report x.ply
     the standard input is no file                 | - -o x.ply --max-error 1
     unknown option '--fast'                       | dem.pgm -o x.ply --max-error 1 --fast
     """)
@@ -554,6 +612,32 @@ def test_wrong_usage_is_told_in_one_sentence_with_exit_status_2(terrain, sentenc
     first, second = run.stderr.splitlines()
     assert run.returncode == 2 and first.startswith("hmesh-terrain: ") and sentence in first
     assert second == "Try 'hmesh-terrain --help'." and run.stdout == "" and contents() == before
+
+
+CLASHES = rows("""
+    './dem.pgm' would overwrite the input 'dem.pgm'    | dem.pgm -o x.ply --report ./dem.pgm
+    'input.json' would overwrite the input 'dem.pgm'   | dem.pgm -o x.ply --report input.json
+    'dem.ply' would overwrite the input './dem.ply'    | ./dem.ply --size 9x9 -o dem.ply
+    'dem_1_0.ply' would overwrite the input            | dem_1_0.ply --size 9x9 -o dem.ply --tiles 4
+    'x.ply' is named for two outputs                   | dem.pgm -o x.ply --report x.ply
+    'x.ply' and './x.ply' are one file                 | dem.pgm -o x.ply --report ./x.ply
+    't_1_1.ply' is named for two outputs               | dem.pgm -o t.ply --tiles 4 --report t_1_1.ply
+    'keep.ply' and 'link.json' are one file            | dem.pgm -o keep.ply --report link.json
+    'new.ply' and 'nowhere.json' are one file          | dem.pgm -o new.ply --report nowhere.json
+    'new_0_0.ply' and 'new_1_0.ply' are one file       | dem.pgm -o new.ply --tiles 4
+    """)
+
+
+@pytest.mark.parametrize("sentence, arguments", CLASHES)
+def test_no_file_is_two_of_input_tiles_and_report_by_whatever_name(terrain, sentence, arguments):
+    for name, content in {"dem.pgm": dems.pgm(ground(9, 9)), "keep.ply": b"old", "dem.ply": dems.raw(ground(9, 9))}.items():
+        write(name, content)
+    for link, target in {"input.json": "dem.pgm", "link.json": "keep.ply", "nowhere.json": "new.ply", "new_1_0.ply": "new_0_0.ply",
+                         "dem_1_0.ply": "dem.ply"}.items():
+        Path(link).symlink_to(target)
+    before = contents()
+    run = terrain.run(f"{arguments} --max-error 1")
+    assert run.returncode == 2 and sentence in run.stderr.splitlines()[0] and run.stdout == "" and contents() == before
 
 
 def test_help_names_every_option_and_version_what_reads(terrain):
@@ -572,6 +656,24 @@ def test_the_summary_and_quiet(terrain):
     text = terrain.done("dem.pgm -o x.ply --max-error 5")
     assert re.search(r"^mesh +\d+ vertices, \d+ triangles$", text, re.M) and "(bound 5)" in text and "written    x.ply" in text
     assert terrain.done("dem.pgm -o x.ply --max-error 5 -q") == ""
+
+
+def test_the_summary_tells_of_no_file_that_was_not_written(terrain):
+    write("none.asc", dems.asc([[None] * 20] * 20))
+    text = terrain.done("none.asc -o x.ply --max-error 5 --tiles 20")
+    assert "0 made, 1 empty, which have no file" in text and "written" not in text and "mesh" not in text
+    write("dem.pgm", dems.pgm(ground(20, 20)))
+    os.utime("dem.pgm", (1e9, 1e9))
+    assert "written    x_0_0.ply" in terrain.done("dem.pgm -o x.ply --max-error 5 --tiles 20")
+    text = terrain.done("dem.pgm -o x.ply --max-error 5 --tiles 20 --resume")
+    assert "0 made, 1 kept" in text and "written" not in text and "mesh" not in text
+
+
+def test_a_report_on_the_standard_output_is_all_that_is_there(terrain):
+    write("dem.pgm", dems.pgm(ground(20, 20)))
+    run = terrain.run("dem.pgm -o x.ply --max-error 5 --report -")
+    assert run.returncode == 0 and json.loads(run.stdout)["width"] == 20 and "written    x.ply" in run.stderr
+    assert json.loads(terrain.done("dem.pgm -o x.ply --max-error 5 --report - -q"))["height"] == 20
 
 
 # ---- failures ----
@@ -635,6 +737,50 @@ ODD_ASC = rows("""
 def test_what_is_wrong_with_an_asc_is_said(terrain, sentence, text):
     Path("dem.asc").write_text(text)
     terrain.fails(sentence, "dem.asc --no-gdal -o x.ply --max-error 1")
+
+
+CRS = 'GEOGCS["Earth",DATUM["D",SPHEROID["S",6378137,298]],PRIMEM["G",0],UNIT["degree",0.0174532925199433]]'
+AUX = "<PAMDataset><PAMRasterBand band='1'>{}</PAMRasterBand></PAMDataset>"
+MASK = ("<VRTDataset rasterXSize='30' rasterYSize='20'><Metadata><MDI key='INTERNAL_MASK_FLAGS_1'>2</MDI></Metadata>"
+        "<VRTRasterBand dataType='Byte' band='1'/></VRTDataset>")
+BESIDE = [("dem.asc", "dem.prj", "coordinate system", CRS), ("dem.pgm", "dem.wld", "geotransform", "2\n0\n0\n-2\n7\n45\n"),
+          ("dem.pgm", "dem.pgm.aux.xml", "no-data value", AUX.format("<NoDataValue>200</NoDataValue>")),
+          ("dem.pgm", "dem.pgm.aux.xml", "scale", AUX.format("<Scale>2</Scale>")),
+          ("dem.pgm", "dem.pgm.aux.xml", "offset", AUX.format("<Offset>100</Offset>")), ("dem.pgm", "dem.pgm.msk", "mask", MASK)]
+
+
+@pytest.mark.parametrize("dem, beside, what, text", BESIDE)
+def test_a_job_refuses_a_copy_of_its_input_beside_which_another_file_says_something_else(terrain, dem, beside, what, text):
+    if dem != "dem.asc":
+        needs_gdal(terrain)
+    for folder in ["planned", "copy"]:
+        Path(folder).mkdir()
+        write(f"{folder}/{dem}", (dems.asc if dem == "dem.asc" else dems.pgm)(ground(30, 20)))
+    Path(f"planned/{beside}").write_text(text)
+    for reader in readers(terrain) if dem == "dem.asc" else [""]:
+        folder = f"job{reader}"
+        terrain.done(f"job plan planned/{dem} -o {folder} --hash --max-error 9 --tiles 16 -q {reader}")
+        first, seams, index = phases(folder)
+        for task, before in [(first[0], first[1:]), (index[0], first + seams)]:
+            terrain.done(f"job run {folder} {' '.join(before)} -q")
+            there = contents()
+            terrain.fails(f"'copy/{dem}' is not the input that was planned: its {what} is another",
+                          f"job run {folder} {task} --input copy/{dem}")
+            assert contents() == there
+        shutil.copy(f"planned/{beside}", "copy")
+        terrain.done(f"job run {folder} {index[0]} --input copy/{dem} -q")
+        Path(f"copy/{beside}").unlink()
+
+
+def test_a_plan_that_was_made_before_plans_held_this_is_refused(terrain):
+    write("dem.pgm", dems.pgm(ground(9, 9)))
+    terrain.done("job plan dem.pgm -o job --max-error 9 -q")
+    values = json.loads(read("job/plan.json"))
+    del values["metadata"]
+    Path("job/plan.json").write_text(json.dumps(values))
+    forge("job/plan.json")
+    for command in ["status job", "run job index"]:
+        terrain.fails("'job' holds what no plan and no task of hmesh-terrain's wrote", f"job {command}")
 
 
 def test_what_gdal_reads_and_is_no_model_of_heights_is_refused(terrain):

@@ -2,13 +2,13 @@
 #include "terrain/arguments.hpp"
 
 #include <cmath>
-#include <filesystem>
 
 #include "arguments/command_words.hpp"
 #include "arguments/job_options.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/values.hpp"
 #include "hmesh/core/version.hpp"
+#include "hmesh/image/image_view.hpp"
 #include "terminal/standard_streams.hpp"
 #include "writers/ending.hpp"
 
@@ -18,6 +18,9 @@ namespace {
 using tool::add;
 using tool::add_name;
 using tool::JobCommand;
+
+// A tile's window has up to three samples a side more than it has cells, and an image so many.
+constexpr int most_cells = hmesh::kit::max_side - 3;
 
 constexpr tool::Note notes[] = {
     {"Local metres",
@@ -173,7 +176,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
 CLI::Option* add_tiles(CLI::App& app, Arguments& out, const char* description) {
     app.option_defaults()->group("Tiles");
     return add(app, "--tiles", "N", description, [&](const std::string& text) {
-        std::string why = tool::parse_in_range(text, 1, 65535, out.tile);
+        std::string why = tool::parse_in_range(text, 1, most_cells, out.tile);
         out.reading.rows = out.tile;
         return why;
     });
@@ -182,9 +185,9 @@ CLI::Option* add_tiles(CLI::App& app, Arguments& out, const char* description) {
 void add_tile_options(CLI::App& app, Arguments& out) {
     CLI::Option* tiles =
         add_tiles(app, out,
-                  "cut the model into tiles of N cells a side, N + 1 samples, of which neighbours share a row:\n"
-                  "files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory than\n"
-                  "the tiles in work");
+                  "cut the model into tiles of N cells a side, 1 to 65533, of N + 1 samples, of which neighbours share\n"
+                  "a row: files NAME_x_y.glb, x from the west, y from the north. No more of the file is in memory\n"
+                  "than the tiles in work");
     tool::add_list(app, "--only", "X_Y", "this tile alone; may be given more than once", [&](const std::string& text) {
         out.only.emplace_back();
         return parse_two(text, '_', 0, out.only.back().x, out.only.back().y);
@@ -269,11 +272,6 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
     for (const char* option : {"--scale", "--spacing"})
         if (is_globe && is_given(app, option))
             return std::string(option) + " means nothing to .terrain, which stands on the Earth by its degrees";
-    std::error_code none;
-    if (std::filesystem::equivalent(arguments.input, arguments.output, none) ||
-        std::filesystem::equivalent(arguments.input, arguments.report, none))
-        return "'" + arguments.input + "' would be overwritten";
-    if (arguments.output == arguments.report) return "'" + arguments.output + "' is named for two outputs";
     return {};
 }
 
@@ -370,7 +368,7 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
     app.option_defaults()->group("How the input is read");
     add_reading_options(app, out.dem);
     add_mesh_options(app, out.dem);
-    add_tiles(app, out.dem, "cells of a tile's side, 1 to 65535 (default: 2048)");
+    add_tiles(app, out.dem, "cells of a tile's side, 1 to 65533 (default: 2048)");
     add_model_options(app, out.dem);
 }
 
@@ -421,6 +419,7 @@ JobCommandLine parse_job(const std::vector<std::string>& words) {
     }
     if (!line.wrong.empty()) return line;
     if (job.command == JobCommand::join && job.output.empty()) line.wrong = "no output is given: -o names it";
+    if (job.command == JobCommand::join && tool::is_standard(job.output)) line.wrong = tool::no_place_to_join;
     if (job.command != JobCommand::plan) return line;
     line.wrong = find_second(inputs);
     job.input = job.dem.input = inputs.front();

@@ -31,8 +31,10 @@ class Dem {
 
     int width = 0, height = 0;  // samples
     Georeference place;
-    std::optional<double> no_data;  // the height that stands for none; NaN always does
-    std::string reader;             // "GDAL 3.6.2, GTiff", "hmesh"
+    std::optional<double> no_data;               // the height that stands for none; NaN always does
+    bool has_mask = false;                       // something else than that says which samples have data
+    double height_scale = 1, height_offset = 0;  // heights are so many times the numbers of the file, and so much more
+    std::string reader;                          // "GDAL 3.6.2, GTiff", "hmesh"
 
     // Reads the samples [x, x + columns) x [y, y + rows) into `heights`, row after row, NaN where there is no data. `rounding`
     // becomes the most by which one differs from what the file says: files of more bits than a float has are rounded. Returns ""

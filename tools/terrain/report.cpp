@@ -25,7 +25,7 @@ Sum sum_of(const std::vector<TileEnd>& ends) {
         sum.vertices += end.vertices;
         sum.triangles += end.triangles;
         sum.samples += end.samples;
-        sum.no_data += end.no_data;
+        sum.no_data += end.own_no_data;
         sum.measured += end.measured;
         sum.made += end.kind == Kind::made ? 1 : 0;
         sum.empty += end.kind == Kind::empty ? 1 : 0;
@@ -40,6 +40,8 @@ Sum sum_of(const std::vector<TileEnd>& ends) {
 double root_mean_square(double squares, std::size_t count) {
     return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0;
 }
+
+double share_of(std::size_t part, std::size_t all) { return all > 0 ? static_cast<double>(part) / static_cast<double>(all) : 0; }
 
 double in_microseconds(double seconds) { return std::round(seconds * 1e6) / 1e6; }
 
@@ -84,6 +86,8 @@ std::string thousands(std::size_t number) {
 Json report_value(const Arguments& arguments, const Dem& dem, const Frame& frame, const std::vector<Tile>& tiles,
                   const std::vector<TileEnd>& ends) {
     const Sum sum = sum_of(ends);
+    // Of all tiles together nothing is known that is not known of each.
+    const auto known = [&](auto number) { return sum.kept > 0 ? Json() : Json(number); };
     Json report = {{"hmesh", HMESH_VERSION_STRING},
                    {"input", arguments.input},
                    {"reader", dem.reader},
@@ -91,17 +95,17 @@ Json report_value(const Arguments& arguments, const Dem& dem, const Frame& frame
                    {"height", dem.height}};
     report["samples"] = sum.samples;
     report["no_data"] = {{"value", dem.no_data && std::isfinite(*dem.no_data) ? Json(*dem.no_data) : Json()},
-                         {"samples", sum.no_data},
-                         {"share", sum.samples > 0 ? static_cast<double>(sum.no_data) / static_cast<double>(sum.samples) : 0}};
+                         {"samples", known(sum.no_data)},
+                         {"share", known(share_of(sum.no_data, sum.samples))}};
     report["crs"] = dem.place.crs.empty() ? Json() : Json(dem.place.crs);
     report["geotransform"] = dem.place.is_known ? Json(dem.place.transform) : Json();
     report["coordinates"] = frame_value(arguments, dem, frame);
     report["effort"] = tool::name_of(efforts, arguments.effort);
     report["bound"] = arguments.max_error ? Json(*arguments.max_error) : Json();
-    report["vertices"] = sum.vertices;
-    report["triangles"] = sum.triangles;
-    report["max_error"] = sum.max_error;
-    report["rms_error"] = root_mean_square(sum.squares, sum.measured);
+    report["vertices"] = known(sum.vertices);
+    report["triangles"] = known(sum.triangles);
+    report["max_error"] = known(sum.max_error);
+    report["rms_error"] = known(root_mean_square(sum.squares, sum.measured));
     report["measured"] = "|surface - sample| at every sample, of the files as they were read back, in heights of the input";
     Json& values = report["tiles"] = Json::array();
     for (std::size_t k = 0; k < tiles.size(); ++k) values.push_back(tile_value(tiles[k], ends[k]));
@@ -124,8 +128,7 @@ void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, co
                    const std::vector<TileEnd>& ends, double seconds) {
     const Sum sum = sum_of(ends);
     std::fprintf(to, "input      %s, %d x %d samples", arguments.input.c_str(), dem.width, dem.height);
-    if (sum.no_data > 0)
-        std::fprintf(to, ", %.2f %% without data", 100 * static_cast<double>(sum.no_data) / static_cast<double>(sum.samples));
+    if (sum.no_data > 0 && sum.kept == 0) std::fprintf(to, ", %.2f %% without data", 100 * share_of(sum.no_data, sum.samples));
     std::fprintf(to, "\nread by    %s\n", dem.reader.c_str());
     if (arguments.tile != 0) {
         std::fprintf(to, "tiles      %zu made", sum.made);
@@ -133,13 +136,14 @@ void print_summary(std::FILE* to, const Arguments& arguments, const Dem& dem, co
         if (sum.empty > 0) std::fprintf(to, ", %zu empty, which have no file", sum.empty);
         std::fprintf(to, "\n");
     }
-    std::fprintf(to, "mesh       %s vertices, %s triangles\n", thousands(sum.vertices).c_str(), thousands(sum.triangles).c_str());
     if (sum.made > 0) {
+        std::fprintf(to, "mesh       %s vertices, %s triangles%s\n", thousands(sum.vertices).c_str(),
+                     thousands(sum.triangles).c_str(), sum.kept > 0 ? " of the tiles made" : "");
         std::fprintf(to, "error      at most %.6g", sum.max_error);
         if (arguments.max_error) std::fprintf(to, " (bound %.6g)", *arguments.max_error);
         std::fprintf(to, ", root mean square %.4g, as written\n", root_mean_square(sum.squares, sum.measured));
     }
-    if (tiles.size() == 1) std::fprintf(to, "written    %s\n", tiles.front().file.c_str());
+    if (tiles.size() == 1 && sum.made == 1) std::fprintf(to, "written    %s\n", tiles.front().file.c_str());
     std::fprintf(to, "seconds    %.2f\n", seconds);
     if (sum.tighter > 0 && arguments.tile != 0)
         std::fprintf(

@@ -21,10 +21,12 @@ struct TileEnd {
     enum class Kind : std::uint8_t {
         made,
         empty,   // it has no data: there is no file
-        kept,    // of a run before this one
+        kept,    // of a run before this one: only its samples are known
         failed,  // and those that were not begun
     } kind = Kind::failed;
-    std::size_t vertices = 0, triangles = 0, samples = 0, no_data = 0;
+    std::size_t vertices = 0, triangles = 0;
+    std::size_t no_data = 0;                   // samples of the tile without data
+    std::size_t samples = 0, own_no_data = 0;  // its own, and those of them without data
     double max_error = 0, sum_of_squares = 0;  // of the file, as it was measured
     std::size_t measured = 0;                  // samples that were
     double asked = 0;                          // the bound that the mesh was made with, so much less than the one asked for

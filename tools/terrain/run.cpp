@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -23,9 +24,39 @@
 namespace terrain {
 namespace {
 
+namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
 double seconds_since(Clock::time_point begin) { return std::chrono::duration<double>(Clock::now() - begin).count(); }
+
+// Whether an output would overwrite the input or another output, or the input is one that was not finished. Devices may be named
+// twice. Returns "" or a sentence.
+std::string find_clash(const Arguments& arguments, const std::vector<Tile>& tiles) {
+    if (tool::is_part(arguments.input)) return tool::unfinished(arguments.input);
+    std::map<std::string, std::string> outputs;  // by their full names
+    const auto add = [&](const std::string& file) -> std::string {
+        std::error_code none;
+        if (tool::is_standard(file) || (fs::exists(file, none) && !fs::is_regular_file(file, none))) return {};
+        if (fs::equivalent(arguments.input, file, none))
+            return "'" + file + "' would overwrite the input '" + arguments.input + "'";
+        const auto [other, is_new] = outputs.emplace(tool::full_name(file), file);
+        if (is_new) return {};
+        return (other->second == file ? "'" + file + "' is"
+                                      : "'" + other->second + "' and '" + file + "' are one file, which is") +
+               " named for two outputs";
+    };
+    for (const Tile& tile : tiles)
+        if (std::string why = add(tile.file); !why.empty()) return why;
+    return arguments.report.empty() ? "" : add(arguments.report);
+}
+
+// Of a tile that has no data now, what a run before this one left there. Returns "" or what went wrong, a sentence.
+std::string remove_former(const std::string& file) {
+    std::error_code none, code;
+    if (!fs::is_regular_file(file, none)) return {};
+    fs::remove(file, code);
+    return code ? "cannot remove '" + file + "', which has no data now: " + code.message() : "";
+}
 
 // What the threads of a run share.
 class Run {
@@ -75,8 +106,8 @@ void Run::tell_done(std::size_t vertices) {
 
 bool Run::is_newer(const std::string& file) const {
     std::error_code none, there;
-    const auto input = std::filesystem::last_write_time(arguments_.input, none);
-    const auto output = std::filesystem::last_write_time(file, there);
+    const auto input = fs::last_write_time(arguments_.input, none);
+    const auto output = fs::last_write_time(file, there);
     return !none && !there && output > input;
 }
 
@@ -90,8 +121,6 @@ std::string Run::find_unwritable() const {
 }
 
 std::string Run::prepare() {
-    if (std::string why = find_tiles(arguments_, dem_, tiles); !why.empty()) return why;
-    if (arguments_.lists_tiles) return {};
     if (std::string why = find_unwritable(); !why.empty()) return why;
     ends.resize(tiles.size());
     return maker_.prepare();
@@ -101,7 +130,7 @@ std::string Run::mesh_tile(std::size_t k, const hmesh::ParallelFor& parallel_for
     const Tile& tile = tiles[k];
     TileEnd& end = ends[k];
     const Clock::time_point begin = Clock::now();
-    end.samples = static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height);
+    end.samples = own_samples(tile);
     if (arguments_.resumes && is_newer(tile.file)) {
         end.kind = TileEnd::Kind::kept;
         return {};
@@ -109,7 +138,7 @@ std::string Run::mesh_tile(std::size_t k, const hmesh::ParallelFor& parallel_for
     std::vector<unsigned char> bytes;
     const auto progress = [&](const hmesh::ProgressInfo& info) { return tell(info); };
     if (std::string why = maker_.make(tile, progress, parallel_for, end, bytes); !why.empty()) return why;
-    if (end.kind == TileEnd::Kind::empty) return {};
+    if (end.kind == TileEnd::Kind::empty) return remove_former(tile.file);
     end.kind = TileEnd::Kind::failed;
     if (std::string why = tool::write_file(
             tile.file, [&](tool::OutputFile& file) { return file(bytes.data(), bytes.size()) ? "" : "the disk refused it"; });
@@ -159,8 +188,10 @@ int run(const Arguments& arguments) {
     if (const std::string why = open_dem(arguments.input, arguments.reading, dem); !why.empty())
         return tool::fail(tool::failed, "cannot read '" + arguments.input + "': " + why);
     Run run(arguments, *dem, watch);
-    if (const std::string why = run.prepare(); !why.empty()) return tool::fail(tool::failed, why);
+    if (const std::string why = find_tiles(arguments, *dem, run.tiles); !why.empty()) return tool::fail(tool::failed, why);
     if (arguments.lists_tiles) return list(run.tiles);
+    if (const std::string clash = find_clash(arguments, run.tiles); !clash.empty()) return tool::fail(tool::wrong_usage, clash);
+    if (const std::string why = run.prepare(); !why.empty()) return tool::fail(tool::failed, why);
     watch.begin_mesh(0.02, 1, 0.05);
     if (const std::string why = run.mesh_all(arguments.jobs); !why.empty()) return tool::fail(tool::failed, why);
     watch.end_mesh();
@@ -172,8 +203,9 @@ int run(const Arguments& arguments) {
             return tool::fail(tool::failed, why);
     watch.finish();
     if (arguments.quiet) return tool::done;
-    print_summary(stdout, arguments, *dem, run.tiles, run.ends, seconds);
-    return std::fflush(stdout) == 0 ? tool::done : tool::fail(tool::failed, "cannot write to the standard output");
+    std::FILE* const to = tool::is_standard(arguments.report) ? stderr : stdout;
+    print_summary(to, arguments, *dem, run.tiles, run.ends, seconds);
+    return std::fflush(to) == 0 ? tool::done : tool::fail(tool::failed, "cannot write to the standard output");
 }
 
 }  // namespace terrain

@@ -161,10 +161,11 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
 std::string TileMaker::make(const Tile& tile, hmesh::Progress progress, const hmesh::ParallelFor& parallel_for, TileEnd& end,
                             std::vector<unsigned char>& bytes) {
     bytes.clear();
-    end.samples = static_cast<std::size_t>(tile.width) * static_cast<std::size_t>(tile.height);
+    end.samples = own_samples(tile);
     Window window;
     if (std::string why = read(tile, window); !why.empty()) return why;
     end.no_data = window.no_data;
+    end.own_no_data = window.own_no_data;
     if (!window.has_cell) {
         if (arguments_.tile == 0) return "'" + arguments_.input + "' has no data in any four samples that are neighbours";
         end.kind = TileEnd::Kind::empty;

@@ -8,6 +8,8 @@
 namespace terrain {
 namespace {
 
+constexpr std::int64_t most_tiles = 1000000;
+
 // NAME_x_y.glb beside NAME.glb.
 std::string tile_file(const std::string& output, const TileName& name) {
     const std::filesystem::path path(output);
@@ -16,7 +18,29 @@ std::string tile_file(const std::string& output, const TileName& name) {
     return (path.parent_path() / file).string();
 }
 
+// Whether windows of tiles are no larger than images that become meshes, before any is read. Returns "" or a sentence.
+std::string find_too_large(const Arguments& arguments, const Dem& dem) {
+    const int cells = arguments.tile;
+    const auto longest = [&](int samples) {
+        const int tiles = cells == 0 ? 1 : tiles_along(samples, cells);
+        return std::int64_t{tiles == 1 ? samples : cells + std::min(tiles, 3)};  // two tiles have a neighbour each, others two
+    };
+    const std::int64_t wide = longest(dem.width), high = longest(dem.height);
+    if (std::max(wide, high) <= hmesh::kit::max_side && wide * high <= hmesh::kit::max_pixels) return {};
+    return "'" + arguments.input + "' has " + (cells == 0 ? "" : "tiles of ") + std::to_string(wide) + " x " +
+           std::to_string(high) + " samples" + (cells == 0 ? "" : ", those beside them counted") + ", more than " +
+           std::to_string(hmesh::kit::max_side) + " a side or " + std::to_string(hmesh::kit::max_pixels) +
+           " in all: --tiles cuts it smaller";
+}
+
 }  // namespace
+
+std::string find_too_many(const std::string& input, int across, int down) {
+    const std::int64_t count = std::int64_t{across} * down;
+    if (count <= most_tiles) return {};
+    return "'" + input + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
+           ": take larger ones by --tiles";
+}
 
 Tile tile_at(int cells, int width, int height, const TileName& name) {
     Tile tile;
@@ -32,6 +56,7 @@ std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<T
     if (dem.width < 2 || dem.height < 2)
         return "'" + arguments.input + "' has " + std::to_string(dem.width) + " x " + std::to_string(dem.height) +
                " samples, and a surface has at least 2 x 2";
+    if (std::string why = find_too_large(arguments, dem); !why.empty()) return why;
     tiles.clear();
     if (arguments.tile == 0) {
         tiles.push_back({{}, 0, 0, dem.width, dem.height, arguments.output});
@@ -50,6 +75,7 @@ std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<T
         if (std::none_of(tiles.begin(), tiles.end(), [&](const Tile& tile) { return tile.file == file; })) add(name);
     }
     if (!tiles.empty()) return {};
+    if (std::string why = find_too_many(arguments.input, across, down); !why.empty()) return why;
     for (int y = 0; y < down; ++y)
         for (int x = 0; x < across; ++x) add({x, y});
     return {};
@@ -57,7 +83,8 @@ std::string find_tiles(const Arguments& arguments, const Dem& dem, std::vector<T
 
 std::string read_window(Dem& dem, const Tile& tile, Window& window) {
     const int west = std::max(0, tile.column - 1), north = std::max(0, tile.row - 1);
-    const int east = std::min(dem.width, tile.column + tile.width + 1), south = std::min(dem.height, tile.row + tile.height + 1);
+    const int east = std::min(dem.width - 1, tile.column + tile.width) + 1;
+    const int south = std::min(dem.height - 1, tile.row + tile.height) + 1;
     window = {};
     window.columns = east - west;
     window.rows = south - north;
@@ -76,6 +103,7 @@ std::string read_window(Dem& dem, const Tile& tile, Window& window) {
             const float height = *view.pixel(i, j);
             if (std::isnan(height)) {
                 ++window.no_data;
+                window.own_no_data += is_own(tile, i, j) ? 1 : 0;
                 continue;
             }
             const auto value = static_cast<double>(height);

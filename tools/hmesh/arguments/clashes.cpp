@@ -22,7 +22,7 @@ class FileSet {
   public:
     // The number under which this file was added, or that of no file.
     [[nodiscard]] std::size_t find(const std::string& name) const {
-        if (const auto found = by_name_.find(full(name)); found != by_name_.end()) return found->second;
+        if (const auto found = by_name_.find(full_name(name)); found != by_name_.end()) return found->second;
         std::error_code none;
         const auto [first, last] = by_look_.equal_range(look(name));
         for (auto other = first; other != last; ++other)
@@ -30,7 +30,7 @@ class FileSet {
         return no_file;
     }
     void add(const std::string& name, std::size_t number) {
-        by_name_.emplace(full(name), number);
+        by_name_.emplace(full_name(name), number);
         std::error_code none;
         if (fs::exists(name, none)) by_look_.emplace(look(name), std::make_pair(name, number));
     }
@@ -40,11 +40,6 @@ class FileSet {
   private:
     using Look = std::pair<std::uintmax_t, fs::file_time_type>;
 
-    static std::string full(const std::string& name) {
-        std::error_code none;
-        const std::string found = fs::weakly_canonical(fs::absolute(end_of_links(name), none), none).string();
-        return found.empty() ? name : found;
-    }
     static Look look(const std::string& name) {
         std::error_code none;
         const std::uintmax_t size = fs::file_size(name, none);
@@ -96,7 +91,7 @@ std::string find_clash(const std::vector<Arguments>& images) {
     if (std::string why = find_stream_clash(images); !why.empty()) return why;
     for (const Arguments& image : images)
         for (const std::string& file : input_files(image))
-            if (is_part(file)) return "'" + file + "' is what a run has not finished writing, and the next one writes over it";
+            if (is_part(file)) return unfinished(file);
     FileSet inputs, weights, outputs;
     for (const Arguments& image : images) {
         inputs.add(image.input, 0);

@@ -94,6 +94,9 @@ inline void add_status_options(CLI::App& app, JobCall& out, const char* version_
     return wrong.empty() && answer.empty();
 }
 
+// What is wrong with joining into "-".
+inline constexpr char no_place_to_join[] = "--output - is no file and no folder, which tiles are joined into";
+
 // What is missing where words without a name are.
 [[nodiscard]] inline const char* missing_words(JobCommand command) {
     return command == JobCommand::plan  ? "no input file is given"

@@ -55,7 +55,7 @@ namespace tool {
     DO(VSIFree);
 
 struct GdalLibrary {
-#define HMESH_GDAL_MEMBER(NAME) decltype(&::NAME) NAME = nullptr
+#define HMESH_GDAL_MEMBER(NAME) decltype(&::NAME) NAME = nullptr  // NOLINT(bugprone-macro-parentheses): it declares a name
     HMESH_GDAL_FUNCTIONS(HMESH_GDAL_MEMBER)
 #undef HMESH_GDAL_MEMBER
 

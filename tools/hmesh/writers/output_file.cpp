@@ -132,6 +132,12 @@ std::string end_of_links(std::string path) {
     return path;
 }
 
+std::string full_name(const std::string& path) {
+    std::error_code none;
+    const std::string found = fs::weakly_canonical(fs::absolute(end_of_links(path), none), none).string();
+    return found.empty() ? path : found;
+}
+
 OutputFile::OutputFile(std::string path) : target_(std::move(path)), is_standard_(is_standard(target_)) {
     if (is_standard_) return;
     std::error_code none;

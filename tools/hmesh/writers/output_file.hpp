@@ -16,8 +16,15 @@ namespace tool {
 // The path or, where it is a link to a file that is to be made, that file's.
 [[nodiscard]] std::string end_of_links(std::string path);
 
+// One name of a file, which may be still to be made, by whatever links and folders it is named.
+[[nodiscard]] std::string full_name(const std::string& path);
+
 // Whether a file of this name is one that is being written, or that a killed program left behind: NAME.hmesh-part0 to 99.
 [[nodiscard]] bool is_part(const std::string& name);
+// The sentence about one that is to be read.
+[[nodiscard]] inline std::string unfinished(const std::string& name) {
+    return "'" + name + "' is what a run has not finished writing, and the next one writes over it";
+}
 
 class OutputFile {
   public:

@@ -7,6 +7,7 @@
 #include <system_error>
 #include <vector>
 
+#include "job/plan_file.hpp"
 #include "job/receipt.hpp"
 #include "job/work.hpp"
 #include "terminal/progress_watch.hpp"
@@ -67,6 +68,8 @@ int tell_status(const JobArguments& arguments) {
 int join_job(const JobArguments& arguments) {
     Plan plan;
     if (const std::string why = read_plan(arguments.folder, "", plan); !why.empty()) return tool::fail(tool::failed, why);
+    if (const std::string why = job::check_output(plan.folder, arguments.output); !why.empty())
+        return tool::fail(tool::failed, why);
     Json facts;
     const job::Done done = job::find_done(plan.folder, plan.identity, "index", job::Look::bytes, facts);
     if (done.found != Found::whole) return tool::fail(tool::failed, done.why);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "job/plan_file.hpp"
@@ -14,7 +15,6 @@ namespace {
 using job::Json;
 
 constexpr char program[] = "hmesh-terrain";
-constexpr std::size_t most_tiles = 1000000;
 
 // Whether tiles are those of Cesium's grid, to a millionth of a tile's side.
 std::optional<GlobeGrid> find_globe(const Plan& plan, const Frame& frame, const Dem& dem) {
@@ -55,6 +55,22 @@ Frame frame_of(const Json& value) {
     pair("origin", frame.origin[0], frame.origin[1]);
     if (const Json& extent = value["extent"]; !extent.is_null()) frame.extent = extent.get<Extent>();
     return frame;
+}
+
+Json metadata_value(const Dem& dem) {
+    return {{"geotransform", dem.place.is_known ? Json(dem.place.transform) : Json()},
+            {"coordinate system", dem.place.crs},
+            {"no-data value", dem.no_data && std::isfinite(*dem.no_data) ? Json(*dem.no_data) : Json()},
+            {"mask", dem.has_mask},
+            {"scale", dem.height_scale},
+            {"offset", dem.height_offset}};
+}
+
+// Each as the text that a plan has, in which what is not UTF-8 is replaced.
+std::map<std::string, std::string> texts_of(const Json& values) {
+    std::map<std::string, std::string> texts;
+    for (const auto& [name, value] : values.items()) texts[name] = value.dump(-1, ' ', false, Json::error_handler_t::replace);
+    return texts;
 }
 
 // At most so many levels.
@@ -109,10 +125,7 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     if (const auto levels = static_cast<int>(plan.levels.size()); levels < job.levels)
         return "'" + input + "' has " + std::to_string(levels) + " levels, not " + std::to_string(job.levels) +
                (plan.globe ? ": no tile of Cesium's next zoom lies within it" : ": it has too few samples for more");
-    if (const auto count = static_cast<std::size_t>(plan.levels[0].across) * static_cast<std::size_t>(plan.levels[0].down);
-        count > most_tiles)
-        return "'" + input + "' would be " + std::to_string(count) + " tiles, more than " + std::to_string(most_tiles) +
-               ": take larger ones by --tiles";
+    if (std::string why = find_too_many(input, plan.levels[0].across, plan.levels[0].down); !why.empty()) return why;
 
     std::vector<std::string> words = job.words;
     if (std::find(words.begin(), words.end(), "--tiles") == words.end())
@@ -127,6 +140,7 @@ std::string make_plan(const JobArguments& job, Plan& plan) {
     body["reader"] = dem->reader;
     body["width"] = plan.width;
     body["height"] = plan.height;
+    body["metadata"] = metadata_value(*dem);
     body["tiles"] = plan.arguments.tile;
     body["levels"] = plan.levels.size();
     body["skirts"] = job.has_skirts;
@@ -149,6 +163,7 @@ std::string read_plan(const std::string& folder, const std::string& input, Plan&
     plan.reader = body["reader"].get<std::string>();
     plan.width = body["width"].get<int>();
     plan.height = body["height"].get<int>();
+    plan.metadata = texts_of(body.at("metadata"));
     plan.frame = frame_of(body["frame"]);
     if (const Json& globe = body["globe"]; !globe.is_null())
         plan.globe = GlobeGrid{globe[0].get<int>(), globe[1].get<int>(), globe[2].get<int>()};
@@ -169,7 +184,11 @@ std::string open_input(const Plan& plan, DemPointer& dem) {
     if (dem->width != plan.width || dem->height != plan.height)
         return job::not_as_planned(input) + "it has " + std::to_string(dem->width) + " x " + std::to_string(dem->height) +
                " samples, and had " + std::to_string(plan.width) + " x " + std::to_string(plan.height);
-    return {};
+    const std::map<std::string, std::string> metadata = texts_of(metadata_value(*dem));
+    const auto other = std::mismatch(metadata.begin(), metadata.end(), plan.metadata.begin(), plan.metadata.end()).first;
+    if (other == metadata.end()) return {};
+    return job::not_as_planned(input) + "its " + other->first +
+           " is another, which files beside it may say, as .prj and .aux.xml do";
 }
 
 std::string name_of(const Plan& plan, const TaskName& task) {

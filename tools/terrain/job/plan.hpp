@@ -10,6 +10,7 @@
 #define HMESH_TERRAIN_JOB_PLAN_HPP
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,8 +31,10 @@ struct Plan {
     job::Folder folder{""};
     std::string identity;
     job::Input input;
-    std::string reader;              // of the input, as it was planned
-    int width = 0, height = 0;       // samples
+    std::string reader;         // of the input, as it was planned
+    int width = 0, height = 0;  // samples
+    // What else was read of the input, by name, as JSON. Files beside it may say it, of which its identity knows nothing.
+    std::map<std::string, std::string> metadata;
     Arguments arguments;             // of all tiles, the input where it is on this machine
     Frame frame;                     // of all tiles
     std::vector<Level> levels;       // the finest first

@@ -23,6 +23,7 @@ Json value_of(const TileFacts& tile) {
             {"triangles", end.triangles},
             {"samples", end.samples},
             {"no_data", end.no_data},
+            {"own_no_data", end.own_no_data},
             {"max_error", end.max_error},
             {"input_error", tile.input_error},
             {"skirt", tile.skirt},
@@ -41,6 +42,7 @@ TileFacts facts_of(const Json& facts) {
     tile.end.triangles = count("triangles");
     tile.end.samples = count("samples");
     tile.end.no_data = count("no_data");
+    tile.end.own_no_data = count("own_no_data");
     tile.end.measured = count("measured");
     tile.end.max_error = facts["max_error"].get<double>();
     tile.input_error = facts["input_error"].get<double>();

@@ -46,7 +46,6 @@ class GdalDem : public Dem {
     std::unique_ptr<void, Close> dataset_;
     GDALRasterBandH band_ = nullptr, mask_ = nullptr;  // mask_: 0 where there is no data; null: not asked
     bool is_south_up_ = false;
-    double scale_ = 1, offset_ = 0;  // heights are scale * number + offset
 };
 
 std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
@@ -69,12 +68,16 @@ std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
     int has = 0;
     if (const double value = gdal().GDALGetRasterNoDataValue(band_, &has); has != 0) no_data = value;
     if (options.no_data) no_data = options.no_data;
-    else if ((gdal().GDALGetMaskFlags(band_) & GMF_ALL_VALID) == 0) mask_ = gdal().GDALGetMaskBand(band_);
-    scale_ = gdal().GDALGetRasterScale(band_, &has);
-    if (has == 0) scale_ = 1;
-    offset_ = gdal().GDALGetRasterOffset(band_, &has);
-    if (has == 0) offset_ = 0;
-    if (!std::isfinite(scale_) || !std::isfinite(offset_) || scale_ == 0) return "its scale of heights is 0 or not finite";
+    else if (const int flags = gdal().GDALGetMaskFlags(band_); (flags & GMF_ALL_VALID) == 0) {
+        mask_ = gdal().GDALGetMaskBand(band_);
+        has_mask = (flags & GMF_NODATA) == 0;
+    }
+    height_scale = gdal().GDALGetRasterScale(band_, &has);
+    if (has == 0) height_scale = 1;
+    height_offset = gdal().GDALGetRasterOffset(band_, &has);
+    if (has == 0) height_offset = 0;
+    if (!std::isfinite(height_scale) || !std::isfinite(height_offset) || height_scale == 0)
+        return "its scale of heights is 0 or not finite";
     return find_place();
 }
 
@@ -118,8 +121,8 @@ std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, d
     gdal().CPLErrorReset();
     rounding = 0;
     const GDALDataType type = gdal().GDALGetRasterDataType(band_);
-    const bool is_exact =
-        (type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32) && scale_ == 1 && offset_ == 0;
+    const bool is_exact = (type == GDT_Byte || type == GDT_UInt16 || type == GDT_Int16 || type == GDT_Float32) &&
+                          height_scale == 1 && height_offset == 0;
     std::vector<float> single(is_exact ? static_cast<std::size_t>(columns) : 0);
     std::vector<double> twice(is_exact ? 0 : static_cast<std::size_t>(columns));
     std::vector<unsigned char> mask(mask_ != nullptr ? static_cast<std::size_t>(columns) : 0);
@@ -129,7 +132,7 @@ std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, d
             return gdal().last_error("GDAL cannot read its samples");
         for (std::size_t k = 0; k < static_cast<std::size_t>(columns); ++k) {
             const double stored = is_exact ? static_cast<double>(single[k]) : twice[k];
-            const double value = is_exact ? stored : scale_ * stored + offset_;
+            const double value = is_exact ? stored : height_scale * stored + height_offset;
             const auto rounded = static_cast<float>(value);
             const bool is_none = mask_ != nullptr ? mask[k] == 0 : is_no_data(stored, no_data);
             const bool is_height = !is_none && std::isfinite(rounded);
