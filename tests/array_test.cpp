@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -81,6 +82,8 @@ TEST_CASE("new elements have their type's default values, and stand where their 
 }
 
 TEST_CASE("copies are of their own, moves take all, and vectors become Arrays and come back") {
+    static_assert(std::is_nothrow_move_assignable_v<Array<Place>> && std::is_nothrow_move_constructible_v<Array<Place>>);
+    static_assert(!std::is_nothrow_copy_assignable_v<Array<Place>>);  // there may be no memory for it
     Array<int> array{1, 2, 3};
     Array<int> copy = array;
     copy[1] = 9;

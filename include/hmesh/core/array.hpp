@@ -32,8 +32,14 @@ class ArrayMemory {
     ArrayMemory() noexcept = default;
     HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory other) noexcept {
-        swap(other);
+    HMESH_PATCHWISE ArrayMemory& operator=(const ArrayMemory& other) {
+        ArrayMemory copy(other);
+        swap(copy);
+        return *this;
+    }
+    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory&& other) noexcept {
+        ArrayMemory moved(std::move(other));
+        swap(moved);
         return *this;
     }
     HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
