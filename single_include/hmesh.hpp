@@ -139,8 +139,14 @@ class ArrayMemory {
     ArrayMemory() noexcept = default;
     HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
-    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory other) noexcept {
-        swap(other);
+    HMESH_PATCHWISE ArrayMemory& operator=(const ArrayMemory& other) {
+        ArrayMemory copy(other);
+        swap(copy);
+        return *this;
+    }
+    HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory&& other) noexcept {
+        ArrayMemory moved(std::move(other));
+        swap(moved);
         return *this;
     }
     HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
@@ -7288,9 +7294,10 @@ namespace hmesh {
 ///     (methods/recipe.hpp)
 /// \param parallel_for  executor of the tiles and of the passes over pixels (core/parallel.hpp); by default the calling thread
 /// \return              the mesh, its error, and a status:
-///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh);
-///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), or for a PSNR that no mesh reached
-///       (with the nearest mesh);
+///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh; what a recipe refuses
+///       when it runs, as Annealed does a mesh to start from and sides of border_tolerance, comes with one of the four corners);
+///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), for one that limits.position_step
+///       leaves no places for, or for a PSNR that no mesh reached (with the nearest mesh);
 ///     - cancelled by options.progress (with the mesh reached so far).
 ///
 /// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
@@ -15208,14 +15215,16 @@ HMESH_COLD Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, 
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
-    // without a collapse, always ends at n.
+    // without a collapse, ends at n wherever there are n places.
     plan.points = 1;
     plan.annealing.sweeps = 0;
     const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), true, border).run();
-    if (!is_done && !border.empty() && !mesh.progress().stopped())
+    if (is_done || mesh.progress().stopped()) return kit::finished_or_cancelled(is_done);
+    if (!border.empty())
         return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
                 static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};
-    return kit::finished_or_cancelled(is_done);
+    return {Errc::target_out_of_range, "position_step leaves no places for so many vertices", static_cast<std::int64_t>(n),
+            static_cast<std::int64_t>(mesh.vertex_count())};
 }
 
 template <int C>
@@ -16501,7 +16510,7 @@ template <int C>
     const double energy = errors.energy;
     const auto made = [&] { return result.mesh; };
     progress.end(mesh.distinct_count(), energy, made);
-    if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
+    if (progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages(), errors.largest};
     return result;

@@ -2003,7 +2003,7 @@ struct ToldSize {
 /// Whether the bare profile can hold what a head says.
 [[nodiscard]] inline bool is_bare(const CompactHead& head) noexcept {
     return head.colors == CompactColors::bits8 && head.peak == 255 && !head.is_masked && head.periodic == Periodic::none &&
-           head.samples == Samples::squares && head.step % 256 == 0 && head.is_image_framed();
+           head.samples == Samples::squares && head.step % 256 == 0 && head.step <= 65536U * 256 && head.is_image_framed();
 }
 /// Puts the head of the bare profile, with or without the image's size.
 inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head, bool is_size_told) {
@@ -2321,7 +2321,8 @@ class FlipFinder {
     // A flip that was made, and what it changed.
     struct Made {
         Flip flip;
-        std::uint32_t left, right;  // rounds of the triangles before
+        std::uint32_t left, right;  // rounds of the triangles before, beside its edge of even number
+        Index from;                 // where that began
         std::size_t before;         // the flip of this edge before it, or no_flip
         bool is_undone;
     };
@@ -2334,17 +2335,18 @@ class FlipFinder {
             // Both triangles are what its last flip has made: this one undoes it, which cannot be told and need not be.
             const Made made = made_[last];
             mesh_->flip(e);
-            // Two flips turn an edge round.
-            const bool is_first = (e & 1U) == 0;
-            rounds_.set(*mesh_, e, is_first ? made.right : made.left);
-            rounds_.set(*mesh_, o, is_first ? made.left : made.right);
+            const Index even = e & ~Index{1};
+            const bool is_turned = mesh_->from(even) != made.from;  // as two flips turn an edge round, and four do not
+            rounds_.set(*mesh_, even, is_turned ? made.right : made.left);
+            rounds_.set(*mesh_, even | 1U, is_turned ? made.left : made.right);
             made_[last].is_undone = true;
             last = made.before;
             --count_;
             return;
         }
         const std::uint32_t round = 1 + std::max(rounds_[e], rounds_[o]);
-        made_.push_back({{e & ~Index{1}, round}, rounds_[e & ~Index{1}], rounds_[e | 1U], last, false});
+        made_.push_back(
+            {{e & ~Index{1}, round}, rounds_[e & ~Index{1}], rounds_[e | 1U], mesh_->from(e & ~Index{1}), last, false});
         last = made_.size() - 1;
         ++count_;
         mesh_->flip(e);
@@ -2607,7 +2609,8 @@ struct CompactOptions {
     /// 0.1 mean distances of vertices costs a photograph some 0.3 dB and saves 5 bits and more a vertex. Not of periodic meshes.
     std::uint32_t lattice = 0;
     /// Step of coarse colours, in 16ths of a 255th of the peak, in [1, 4095], for vertices around which faces have the mean area;
-    /// others have steps by one over the root of theirs, within four times. 0: colours are exact. Of 8 bits alone.
+    /// others have steps by one over the root of theirs, within four times. 0: colours are exact. Of 8 bits alone, and not of
+    /// periodic meshes.
     std::uint32_t color_step = 0;
     /// Whether to write the bare profile: a head of a few bytes and no checksum, for data in a page. Of meshes with peak 255,
     /// colours of 8 bits, a lattice of whole px and no holes.
@@ -2698,6 +2701,9 @@ class CompactWriter {
         if (const Status status = find_points(); !status) return status;
         if (const Status status = find_faces(); !status) return status;
         find_colors();
+        if (head_.periodic != Periodic::none && head_.color_step > 0)
+            return {Errc::invalid_argument, "periodic meshes have exact colours, as copies on the cut have the same ones",
+                    head_.color_step, 0};
         if (head_.periodic != Periodic::none)
             if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         if (options.bare && !is_bare(head_))
@@ -2842,8 +2848,15 @@ class CompactWriter {
         std::array<std::vector<std::array<std::uint64_t, 2>>, 5> parts;  // the way to each site, and its vertex
         const Halving inside(std::max(columns, 2U) - 1, std::max(rows, 2U) - 1);
         point_of_.assign(places_.size(), Triangulation::none);
+        // Of vertices at one place, as cuts of periodic images have where they meet themselves, those of one colour become one.
         bool has_twins = false;
-        std::array<bool, 4> has_corner{};
+        std::array<std::size_t, 4> corners{};
+        corners.fill(places_.size());
+        const auto is_same = [&](std::size_t v, std::size_t w) {
+            const auto channels = static_cast<std::size_t>(head_.channels);
+            const float* const colors = mesh_->colors;
+            return std::equal(colors + channels * v, colors + channels * (v + 1), colors + channels * w);
+        };
         for (std::size_t v = 0; v < places_.size(); ++v) {
             const auto site = [&](std::int32_t place, std::uint32_t side) {
                 const auto at = static_cast<std::uint32_t>(place);
@@ -2853,8 +2866,8 @@ class CompactWriter {
             const bool on_side = y == 0 || y == rows, on_end = x == 0 || x == columns;
             if (on_side && on_end) {
                 const std::size_t corner = y == 0 ? (x == 0 ? 0 : 1) : (x == 0 ? 3 : 2);
-                has_twins = has_twins || has_corner[corner];
-                has_corner[corner] = true;
+                if (corners[corner] == places_.size()) corners[corner] = v;
+                has_twins = has_twins || !is_same(corners[corner], v);
                 point_of_[v] = static_cast<Index>(corner);
                 continue;
             }
@@ -2866,14 +2879,18 @@ class CompactWriter {
             std::sort(parts[part].begin(), parts[part].end());
             for (std::size_t k = 0; k < parts[part].size(); ++k) {
                 const auto& [way, v] = parts[part][k];
-                has_twins = has_twins || (k > 0 && parts[part][k - 1][0] == way);
+                if (k > 0 && parts[part][k - 1][0] == way) {
+                    has_twins = has_twins || !is_same(parts[part][k - 1][1], v);
+                    point_of_[v] = next - 1;
+                    continue;
+                }
                 point_of_[v] = next++;
                 body_.sites[part].push_back(part == 4 ? inside.first(way, inside.levels())
                                                       : Site{static_cast<std::uint32_t>(way), 0});
             }
         }
         if (has_twins)
-            return {Errc::invalid_argument, "a compact file holds one vertex at a place, and the mesh has two somewhere"};
+            return {Errc::invalid_argument, "a compact file holds one colour at a place, and the mesh has two somewhere"};
         if (next > CompactHead::widest / 2)
             return {Errc::invalid_argument, "a compact file holds at most 2^24 vertices", next, CompactHead::widest / 2};
         is_vertex_.assign(next, false);
@@ -2965,6 +2982,7 @@ class CompactWriter {
 [[nodiscard]] inline Status to_mesh(const CompactHead& head, const CompactBody& body, Mesh& mesh) {
     const auto channels = static_cast<std::size_t>(head.channels);
     const std::vector<GridPoint> points = points_of(head, body);
+    constexpr auto highest = static_cast<double>(std::numeric_limits<float>::max());  // peaks may be above it
     std::vector<std::uint32_t> vertex_of(points.size());
     std::uint32_t next = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {
@@ -2977,7 +2995,7 @@ class CompactWriter {
             const std::uint32_t number = body.colors[channels * p + k];
             float value = 0;
             if (head.colors == CompactColors::floats) value = float_of_ordered(number);
-            else value = static_cast<float>(number * head.peak / head.most_color());
+            else value = static_cast<float>(std::min(number * head.peak / head.most_color(), highest));
             if (!kit::is_finite(value))
                 return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
             mesh.colors.push_back(value);
@@ -3435,21 +3453,24 @@ struct CompactLattice {
 /// The lattice of about `cell` px a site for an image of width x height px, of which the second image has columns x rows. Where
 /// it is `bare` the file's px are its sites, so that these divide the sides evenly; else a site is whole 1/256 px of the image.
 [[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
-    cell = std::max({cell, 0.6, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
+    // Finer ones gain nothing, or are no images.
+    const double area = static_cast<double>(width) * height, longer = std::max(width, height);
+    cell = std::max({cell, 0.6, longer / kit::max_side, std::sqrt(area / static_cast<double>(kit::max_pixels))});
     CompactLattice out{};
     // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
-    const double area = static_cast<double>(width) * height, sites = area / (cell * cell);
-    const double most = 2.05 * static_cast<double>(columns) * rows;
+    const double sites = area / (cell * cell);
+    const double most = std::min(2.05 * static_cast<double>(columns) * rows, static_cast<double>(kit::max_pixels));
     out.per_site = 1;
     while (out.per_site < 16 && (out.per_site < 2 || sites * out.per_site * out.per_site < 65536) &&
-           4 * sites * out.per_site * out.per_site <= most)
+           4 * sites * out.per_site * out.per_site <= most && 2 * out.per_site * longer / cell <= kit::max_side)
         out.per_site *= 2;
     out.has_one_image = sites >= 65536 && sites >= static_cast<double>(columns) * rows;
     out.units = bare ? 1 : 256;
-    const auto step = static_cast<std::int64_t>(std::min(256 * cell + 0.5, 33554432.0));
+    const double narrowest = 256 * longer * out.per_site / kit::max_side;  // of whole 1/256 px
+    const auto step = static_cast<std::int64_t>(std::min(std::max(256 * cell + 0.5, std::ceil(narrowest)), 33554432.0));
     const auto axis = [&](int side, int size) {
         if (bare) {
-            const int all = std::max(1, std::min(65536, static_cast<int>(side / cell + 0.5)));
+            const int all = std::max(1, std::min(kit::max_side / out.per_site, static_cast<int>(side / cell + 0.5)));
             return LatticeAxis{all, all * out.per_site, size, 1, all};
         }
         const std::int64_t end = std::int64_t{256} * side;
@@ -3840,6 +3861,14 @@ struct [[nodiscard]] CompactImage {
 
 namespace detail {
 
+/// How compact_image() writes a mesh, but for its lattice and colours.
+[[nodiscard]] inline CompactOptions compact_options(const CompactImageOptions& options) {
+    CompactOptions out;
+    out.bare = options.bare;
+    out.table = options.table;
+    return out;
+}
+
 /// What compact_image() has written.
 [[nodiscard]] inline CompactMesh read_file(const std::vector<std::uint8_t>& bytes, const CompactImageOptions& options) {
     return options.bare ? read_bare_compact(bytes.data(), bytes.size(), {}, options.table)
@@ -3978,7 +4007,8 @@ class CompactSearch {
         return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
     }
     [[nodiscard]] std::int64_t most_vertices() const noexcept {
-        return std::max<std::int64_t>(4, std::int64_t{first_image().width} * first_image().height);
+        const std::int64_t pixels = std::int64_t{first_image().width} * first_image().height;
+        return std::max<std::int64_t>(4, std::min(pixels, CompactLimits{}.max_vertices));  // as its own files are read
     }
     /// Meshes the image with n vertices, less those that find no site on the lattice, with so many rounds there. Whether there is
     /// such a mesh.
@@ -3991,6 +4021,7 @@ class CompactSearch {
         const Result result = mesh_image(first_image(), options, recipe, *parallel_for_);
         runs_->add();
         status = result.status;
+        if (status.code == Errc::target_out_of_range) return status = {}, false;  // a line of pixels has not places for all
         if (!status) return false;
         LatticeMesh<C> settled(image_->table, lattice_, recipe.seed);
         bool goes_on = true;
@@ -4006,10 +4037,8 @@ class CompactSearch {
     }
     /// The file of the mesh.
     [[nodiscard]] std::vector<std::uint8_t> write(std::uint32_t color_step) const {
-        CompactOptions options;
+        CompactOptions options = compact_options(*options_);
         options.color_step = color_step;
-        options.bare = options_->bare;
-        options.table = options_->table;
         options.lattice = static_cast<std::uint32_t>(options_->bare ? 256 : lattice_.x.step);
         std::vector<std::uint8_t> file;
         if (!write_compact(mesh_.view(), kit::append_to(file), options)) file.clear();
@@ -4086,9 +4115,9 @@ template <class T, int C>
     Annealed quick = recipe;
     quick.effort = std::min(recipe.effort, Effort::fast);
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
-    const std::int64_t expected =
-        std::max<std::int64_t>(4, std::min(pixels, static_cast<std::int64_t>(options.bytes) * 2 / 5));  // 20 bits a vertex
-    const double distance = std::sqrt(static_cast<double>(pixels) / static_cast<double>(expected));     // between these
+    const auto bytes = static_cast<std::int64_t>(std::min<std::uint64_t>(options.bytes, std::uint64_t{1} << 40U));
+    const std::int64_t expected = std::max<std::int64_t>(4, std::min(pixels, bytes * 2 / 5));        // 20 bits a vertex
+    const double distance = std::sqrt(static_cast<double>(pixels) / static_cast<double>(expected));  // between these
     // 80 px a vertex are enough to judge by.
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
@@ -4175,6 +4204,7 @@ template <class T, int C>
     static_assert(C <= 4, "a compact file holds 1 to 4 channels");
     CompactImage out;
     out.status = check(view);
+    if (out.status) out.status = detail::check(detail::compact_options(options));
     if (out.status) out.status = kit::check_finite(view, parallel_for);
     if (!out.status) return out;
     if constexpr (C % 2 == 0) {

@@ -9,11 +9,13 @@
 #include <limits>
 #include <vector>
 
+#include "compact_meshes.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/io/compact.hpp"
 #include "hmesh/io/compact/photographs.hpp"
+#include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/render.hpp"
 #include "mesh_flaws.hpp"
@@ -73,6 +75,43 @@ void prove(const hmesh::ImageView<T, C>& view, const CompactImageOptions& option
 }
 
 }  // namespace
+
+TEST_CASE("compact files hold meshes of images that are one pixel wide, whose flips undo others") {
+    hmesh::Image<std::uint8_t, 1> image(65536, 1);
+    for (int x = 0; x < image.width(); ++x) image.pixel(x, 0)[0] = 9;
+    hmesh::Options options;
+    options.target = hmesh::Target::vertices(328);
+    const hmesh::Result result = hmesh::mesh_image(image.view(), options, hmesh::Annealed{hmesh::Effort::fast});
+    std::vector<std::uint8_t> file;
+    REQUIRE(hmesh::write_compact(result.mesh.view(), hmesh::kit::append_to(file)));
+    const hmesh::CompactMesh back = hmesh::read_compact(file.data(), file.size());
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(result.mesh, back.mesh) == "");
+}
+
+TEST_CASE("images as long as any fit into bytes of any number") {
+    for (const bool bare : {false, true}) {
+        hmesh::Image<std::uint8_t, 1> image(65536, 16);
+        for (int y = 0; y < 16; ++y)
+            for (int x = 0; x < image.width(); ++x) image.pixel(x, y)[0] = static_cast<std::uint8_t>(x / 300 + 2 * y);
+        const CompactImage out = compact_image(image.view(), bytes(4000, bare), quick());
+        CHECK(out.status);
+        CHECK(out.bytes.size() <= 4000);
+    }
+    const auto small = hmesh_test::scene<std::uint8_t, 3>(20, 10, 1);
+    CHECK(compact_image(small.view(), bytes(std::numeric_limits<std::size_t>::max()), quick()).status);
+}
+
+TEST_CASE("a start table that no file can name is refused") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(20, 10, 1);
+    hmesh::CompactTable table = hmesh::compact_photographs;
+    table.number = 7;
+    CompactImageOptions options = bytes(300);
+    options.table = &table;
+    const CompactImage out = compact_image(image.view(), options, quick());
+    CHECK(out.status.code == Errc::invalid_argument);
+    CHECK(out.bytes.empty());
+}
 
 TEST_CASE("an image fits into the bytes that it is given, and uses them, the better the more there are") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 60, 1);

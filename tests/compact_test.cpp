@@ -249,7 +249,6 @@ TEST_CASE("a periodic mesh with a jagged cut comes back, and one that does not j
     // One period of x: the left and the right side are the same zigzag.
     Mesh mesh = hmesh_test::two_faces(3);
     mesh.periodic = hmesh::Periodic::x;
-    mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, 2, 2, -1, 2};
     mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, -1, 2, 2, 2};
     mesh.colors = {1, 2, 3, 1, 2, 3, 7, 8, 9, 7, 8, 9, 4, 5, 6, 4, 5, 6};
     mesh.faces = {{0, 1, 3}, {1, 2, 3}, {3, 5, 4}, {3, 2, 5}};
@@ -257,7 +256,24 @@ TEST_CASE("a periodic mesh with a jagged cut comes back, and one that does not j
     const CompactMesh back = read(compact(mesh));
     REQUIRE(back.status);
     CHECK(hmesh_test::difference(mesh, back.mesh) == "");
+    CompactOptions coarse;
+    coarse.color_step = 16;
+    CHECK(refusal(mesh, coarse).code == Errc::invalid_argument);  // copies on the cut would differ
     mesh.colors[0] = 50;
+    CHECK(refusal(mesh).code == Errc::invalid_argument);
+}
+
+TEST_CASE("vertices of one place and colour become one, in which two pieces touch") {
+    Mesh mesh = hmesh_test::two_faces(1);
+    mesh.positions = {0, 0, 1, 0, 1, 1, 1, 1, 3, 2, 0, 2};
+    mesh.colors = {1, 2, 9, 9, 3, 4};
+    mesh.faces = {{0, 1, 2}, {3, 4, 5}};
+    const CompactMesh back = read(compact(mesh));
+    REQUIRE(back.status);
+    CHECK(back.mesh.vertex_count() == 5);
+    CHECK(back.mesh.face_count() == 2);
+    CHECK(is_tiling(back.mesh));
+    mesh.colors[3] = 8;
     CHECK(refusal(mesh).code == Errc::invalid_argument);
 }
 
@@ -380,6 +396,25 @@ TEST_CASE("vertices are moved to a lattice, and faces stay as they lie") {
     CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
     options.color_step = 5, options.colors = CompactColors::bits16;
     CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
+}
+
+TEST_CASE("the bare profile is refused a lattice that its reader refuses") {
+    Mesh mesh = hmesh_test::two_faces(3);
+    mesh.positions = {0, 0, 3, 0, 3, 2, 0, 2};
+    CompactOptions options;
+    options.bare = true;
+    options.lattice = 65536U * 256;
+    const Bytes bytes = compact(mesh, options);
+    CHECK(hmesh::read_bare_compact(bytes.data(), bytes.size()).status);
+    options.lattice += 256;
+    CHECK(refusal(mesh, options).code == Errc::invalid_argument);
+}
+
+TEST_CASE("a peak above the largest float gives colours that are") {
+    Mesh mesh = hmesh_test::two_faces(1);
+    mesh.peak = 1e39;
+    const CompactMesh back = read(compact(mesh));
+    CHECK(back.status);
 }
 
 TEST_CASE("the size of a bare mesh may be told by others") {

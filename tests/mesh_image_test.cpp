@@ -372,6 +372,17 @@ TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fit
     }
 }
 
+TEST_CASE("where steps of positions leave no places for so many vertices the status says so, with the mesh reached") {
+    const auto image = hmesh_test::noise<std::uint8_t, 3>(7, 7, 1);
+    Options options = options_of(Target::percent(90));
+    options.limits.position_step = 4;
+    const Result result = mesh_image(image.view(), options, recipe_of(Effort::fast));
+    CHECK(result.status.code == Errc::target_out_of_range);
+    CHECK(std::string(hmesh::message(result.status).c_str()).find("position_step leaves no places") == 0);
+    CHECK(result.has_mesh());
+    CHECK(result.report.vertices < 44);
+}
+
 TEST_CASE("the smallest ridges are refused or leave all colours finite") {
     // One vertex a pixel: faces without pixels, whose corners only the ridge holds.
     const auto bytes = hmesh_test::scene<std::uint8_t, 1>(8, 8, 1);

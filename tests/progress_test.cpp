@@ -524,6 +524,24 @@ TEST_CASE("a progress callback changes no byte of the result") {
     CHECK(hmesh_test::same_bytes(hmesh::mesh_image(image.view(), options), silent));
 }
 
+TEST_CASE("cancelled where a target is out of range, mesh_image says cancelled and does not call again") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(7, 5, 1);
+    for (const hmesh::Target& target : {hmesh::Target::vertices(5), hmesh::Target::psnr(37)})
+        for (int stop = 1; stop < 60; ++stop) {
+            int calls = 0;
+            const auto progress = [&](const hmesh::ProgressInfo&) { return ++calls < stop; };
+            hmesh::Options options;
+            options.samples = hmesh::Samples::points;
+            options.target = target;
+            options.progress = progress;
+            hmesh::Annealed recipe;
+            recipe.border_tolerance = 0;
+            const hmesh::Result result = hmesh::mesh_image(image.view(), options, recipe);
+            CHECK(calls <= stop);
+            if (calls == stop) CHECK(result.status.code == Errc::cancelled);
+        }
+}
+
 TEST_CASE("cancelled at any call, mesh_image returns a valid mesh and a report that is true of it") {
     cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), annealed(Effort::draft));
     cancel_everywhere(hmesh_test::scene<std::uint8_t, 3>(40, 36, 2), Target::vertices(60), annealed(Effort::fast));

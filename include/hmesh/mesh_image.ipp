@@ -130,7 +130,7 @@ template <int C>
     const double energy = errors.energy;
     const auto made = [&] { return result.mesh; };
     progress.end(mesh.distinct_count(), energy, made);
-    if (result.status && progress.stopped()) result.status = kit::cancelled_by_callback();
+    if (progress.stopped()) result.status = kit::cancelled_by_callback();
     result.report = {mesh.distinct_count(), mesh.faces.size(), energy, kit::psnr_of_energy(energy, subject.samples, source.peak()),
                      progress.stages(), errors.largest};
     return result;

@@ -59,7 +59,8 @@ struct CompactOptions {
     /// 0.1 mean distances of vertices costs a photograph some 0.3 dB and saves 5 bits and more a vertex. Not of periodic meshes.
     std::uint32_t lattice = 0;
     /// Step of coarse colours, in 16ths of a 255th of the peak, in [1, 4095], for vertices around which faces have the mean area;
-    /// others have steps by one over the root of theirs, within four times. 0: colours are exact. Of 8 bits alone.
+    /// others have steps by one over the root of theirs, within four times. 0: colours are exact. Of 8 bits alone, and not of
+    /// periodic meshes.
     std::uint32_t color_step = 0;
     /// Whether to write the bare profile: a head of a few bytes and no checksum, for data in a page. Of meshes with peak 255,
     /// colours of 8 bits, a lattice of whole px and no holes.
@@ -150,6 +151,9 @@ class CompactWriter {
         if (const Status status = find_points(); !status) return status;
         if (const Status status = find_faces(); !status) return status;
         find_colors();
+        if (head_.periodic != Periodic::none && head_.color_step > 0)
+            return {Errc::invalid_argument, "periodic meshes have exact colours, as copies on the cut have the same ones",
+                    head_.color_step, 0};
         if (head_.periodic != Periodic::none)
             if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         if (options.bare && !is_bare(head_))
@@ -294,8 +298,15 @@ class CompactWriter {
         std::array<std::vector<std::array<std::uint64_t, 2>>, 5> parts;  // the way to each site, and its vertex
         const Halving inside(std::max(columns, 2U) - 1, std::max(rows, 2U) - 1);
         point_of_.assign(places_.size(), Triangulation::none);
+        // Of vertices at one place, as cuts of periodic images have where they meet themselves, those of one colour become one.
         bool has_twins = false;
-        std::array<bool, 4> has_corner{};
+        std::array<std::size_t, 4> corners{};
+        corners.fill(places_.size());
+        const auto is_same = [&](std::size_t v, std::size_t w) {
+            const auto channels = static_cast<std::size_t>(head_.channels);
+            const float* const colors = mesh_->colors;
+            return std::equal(colors + channels * v, colors + channels * (v + 1), colors + channels * w);
+        };
         for (std::size_t v = 0; v < places_.size(); ++v) {
             const auto site = [&](std::int32_t place, std::uint32_t side) {
                 const auto at = static_cast<std::uint32_t>(place);
@@ -305,8 +316,8 @@ class CompactWriter {
             const bool on_side = y == 0 || y == rows, on_end = x == 0 || x == columns;
             if (on_side && on_end) {
                 const std::size_t corner = y == 0 ? (x == 0 ? 0 : 1) : (x == 0 ? 3 : 2);
-                has_twins = has_twins || has_corner[corner];
-                has_corner[corner] = true;
+                if (corners[corner] == places_.size()) corners[corner] = v;
+                has_twins = has_twins || !is_same(corners[corner], v);
                 point_of_[v] = static_cast<Index>(corner);
                 continue;
             }
@@ -318,14 +329,18 @@ class CompactWriter {
             std::sort(parts[part].begin(), parts[part].end());
             for (std::size_t k = 0; k < parts[part].size(); ++k) {
                 const auto& [way, v] = parts[part][k];
-                has_twins = has_twins || (k > 0 && parts[part][k - 1][0] == way);
+                if (k > 0 && parts[part][k - 1][0] == way) {
+                    has_twins = has_twins || !is_same(parts[part][k - 1][1], v);
+                    point_of_[v] = next - 1;
+                    continue;
+                }
                 point_of_[v] = next++;
                 body_.sites[part].push_back(part == 4 ? inside.first(way, inside.levels())
                                                       : Site{static_cast<std::uint32_t>(way), 0});
             }
         }
         if (has_twins)
-            return {Errc::invalid_argument, "a compact file holds one vertex at a place, and the mesh has two somewhere"};
+            return {Errc::invalid_argument, "a compact file holds one colour at a place, and the mesh has two somewhere"};
         if (next > CompactHead::widest / 2)
             return {Errc::invalid_argument, "a compact file holds at most 2^24 vertices", next, CompactHead::widest / 2};
         is_vertex_.assign(next, false);
@@ -417,6 +432,7 @@ class CompactWriter {
 [[nodiscard]] inline Status to_mesh(const CompactHead& head, const CompactBody& body, Mesh& mesh) {
     const auto channels = static_cast<std::size_t>(head.channels);
     const std::vector<GridPoint> points = points_of(head, body);
+    constexpr auto highest = static_cast<double>(std::numeric_limits<float>::max());  // peaks may be above it
     std::vector<std::uint32_t> vertex_of(points.size());
     std::uint32_t next = 0;
     for (std::size_t p = 0; p < points.size(); ++p) {
@@ -429,7 +445,7 @@ class CompactWriter {
             const std::uint32_t number = body.colors[channels * p + k];
             float value = 0;
             if (head.colors == CompactColors::floats) value = float_of_ordered(number);
-            else value = static_cast<float>(number * head.peak / head.most_color());
+            else value = static_cast<float>(std::min(number * head.peak / head.most_color(), highest));
             if (!kit::is_finite(value))
                 return {Errc::not_finite, "the compact mesh has a colour that is not finite, or is damaged"};
             mesh.colors.push_back(value);

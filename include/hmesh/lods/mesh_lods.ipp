@@ -113,7 +113,7 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     const Target& target = options.target;
     const bool is_search = target.kind == Target::Kind::psnr;
     const double count = target.kind == Target::Kind::vertices ? target.value : pixels * (is_search ? 2 : target.value) / 100;
-    const auto n = static_cast<std::size_t>(std::max(4.0, count));
+    const auto n = static_cast<std::size_t>(std::max(4.0, std::min(count, pixels)));
     const double first = recipe.work(view.width, view.height, n) * (is_search ? 2.5 : 1);
     const double from = first / (first + detail::sum(detail::coarser_works(recipe, pixels, n, lods.levels - 1)));
     Options of_first = options;

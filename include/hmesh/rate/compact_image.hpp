@@ -58,6 +58,14 @@ struct [[nodiscard]] CompactImage {
 
 namespace detail {
 
+/// How compact_image() writes a mesh, but for its lattice and colours.
+[[nodiscard]] inline CompactOptions compact_options(const CompactImageOptions& options) {
+    CompactOptions out;
+    out.bare = options.bare;
+    out.table = options.table;
+    return out;
+}
+
 /// What compact_image() has written.
 [[nodiscard]] inline CompactMesh read_file(const std::vector<std::uint8_t>& bytes, const CompactImageOptions& options) {
     return options.bare ? read_bare_compact(bytes.data(), bytes.size(), {}, options.table)
@@ -196,7 +204,8 @@ class CompactSearch {
         return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
     }
     [[nodiscard]] std::int64_t most_vertices() const noexcept {
-        return std::max<std::int64_t>(4, std::int64_t{first_image().width} * first_image().height);
+        const std::int64_t pixels = std::int64_t{first_image().width} * first_image().height;
+        return std::max<std::int64_t>(4, std::min(pixels, CompactLimits{}.max_vertices));  // as its own files are read
     }
     /// Meshes the image with n vertices, less those that find no site on the lattice, with so many rounds there. Whether there is
     /// such a mesh.
@@ -209,6 +218,7 @@ class CompactSearch {
         const Result result = mesh_image(first_image(), options, recipe, *parallel_for_);
         runs_->add();
         status = result.status;
+        if (status.code == Errc::target_out_of_range) return status = {}, false;  // a line of pixels has not places for all
         if (!status) return false;
         LatticeMesh<C> settled(image_->table, lattice_, recipe.seed);
         bool goes_on = true;
@@ -224,10 +234,8 @@ class CompactSearch {
     }
     /// The file of the mesh.
     [[nodiscard]] std::vector<std::uint8_t> write(std::uint32_t color_step) const {
-        CompactOptions options;
+        CompactOptions options = compact_options(*options_);
         options.color_step = color_step;
-        options.bare = options_->bare;
-        options.table = options_->table;
         options.lattice = static_cast<std::uint32_t>(options_->bare ? 256 : lattice_.x.step);
         std::vector<std::uint8_t> file;
         if (!write_compact(mesh_.view(), kit::append_to(file), options)) file.clear();
@@ -304,9 +312,9 @@ template <class T, int C>
     Annealed quick = recipe;
     quick.effort = std::min(recipe.effort, Effort::fast);
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
-    const std::int64_t expected =
-        std::max<std::int64_t>(4, std::min(pixels, static_cast<std::int64_t>(options.bytes) * 2 / 5));  // 20 bits a vertex
-    const double distance = std::sqrt(static_cast<double>(pixels) / static_cast<double>(expected));     // between these
+    const auto bytes = static_cast<std::int64_t>(std::min<std::uint64_t>(options.bytes, std::uint64_t{1} << 40U));
+    const std::int64_t expected = std::max<std::int64_t>(4, std::min(pixels, bytes * 2 / 5));        // 20 bits a vertex
+    const double distance = std::sqrt(static_cast<double>(pixels) / static_cast<double>(expected));  // between these
     // 80 px a vertex are enough to judge by.
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
@@ -393,6 +401,7 @@ template <class T, int C>
     static_assert(C <= 4, "a compact file holds 1 to 4 channels");
     CompactImage out;
     out.status = check(view);
+    if (out.status) out.status = detail::check(detail::compact_options(options));
     if (out.status) out.status = kit::check_finite(view, parallel_for);
     if (!out.status) return out;
     if constexpr (C % 2 == 0) {

@@ -84,21 +84,24 @@ struct CompactLattice {
 /// The lattice of about `cell` px a site for an image of width x height px, of which the second image has columns x rows. Where
 /// it is `bare` the file's px are its sites, so that these divide the sides evenly; else a site is whole 1/256 px of the image.
 [[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
-    cell = std::max({cell, 0.6, bare ? std::max(width, height) / 65536.0 : 0});  // finer ones gain nothing
+    // Finer ones gain nothing, or are no images.
+    const double area = static_cast<double>(width) * height, longer = std::max(width, height);
+    cell = std::max({cell, 0.6, longer / kit::max_side, std::sqrt(area / static_cast<double>(kit::max_pixels))});
     CompactLattice out{};
     // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
-    const double area = static_cast<double>(width) * height, sites = area / (cell * cell);
-    const double most = 2.05 * static_cast<double>(columns) * rows;
+    const double sites = area / (cell * cell);
+    const double most = std::min(2.05 * static_cast<double>(columns) * rows, static_cast<double>(kit::max_pixels));
     out.per_site = 1;
     while (out.per_site < 16 && (out.per_site < 2 || sites * out.per_site * out.per_site < 65536) &&
-           4 * sites * out.per_site * out.per_site <= most)
+           4 * sites * out.per_site * out.per_site <= most && 2 * out.per_site * longer / cell <= kit::max_side)
         out.per_site *= 2;
     out.has_one_image = sites >= 65536 && sites >= static_cast<double>(columns) * rows;
     out.units = bare ? 1 : 256;
-    const auto step = static_cast<std::int64_t>(std::min(256 * cell + 0.5, 33554432.0));
+    const double narrowest = 256 * longer * out.per_site / kit::max_side;  // of whole 1/256 px
+    const auto step = static_cast<std::int64_t>(std::min(std::max(256 * cell + 0.5, std::ceil(narrowest)), 33554432.0));
     const auto axis = [&](int side, int size) {
         if (bare) {
-            const int all = std::max(1, std::min(65536, static_cast<int>(side / cell + 0.5)));
+            const int all = std::max(1, std::min(kit::max_side / out.per_site, static_cast<int>(side / cell + 0.5)));
             return LatticeAxis{all, all * out.per_site, size, 1, all};
         }
         const std::int64_t end = std::int64_t{256} * side;

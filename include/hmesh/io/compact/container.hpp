@@ -239,7 +239,7 @@ struct ToldSize {
 /// Whether the bare profile can hold what a head says.
 [[nodiscard]] inline bool is_bare(const CompactHead& head) noexcept {
     return head.colors == CompactColors::bits8 && head.peak == 255 && !head.is_masked && head.periodic == Periodic::none &&
-           head.samples == Samples::squares && head.step % 256 == 0 && head.is_image_framed();
+           head.samples == Samples::squares && head.step % 256 == 0 && head.step <= 65536U * 256 && head.is_image_framed();
 }
 /// Puts the head of the bare profile, with or without the image's size.
 inline void put_bare_head(std::vector<std::uint8_t>& out, const CompactHead& head, bool is_size_told) {

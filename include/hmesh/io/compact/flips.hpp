@@ -208,7 +208,8 @@ class FlipFinder {
     // A flip that was made, and what it changed.
     struct Made {
         Flip flip;
-        std::uint32_t left, right;  // rounds of the triangles before
+        std::uint32_t left, right;  // rounds of the triangles before, beside its edge of even number
+        Index from;                 // where that began
         std::size_t before;         // the flip of this edge before it, or no_flip
         bool is_undone;
     };
@@ -221,17 +222,18 @@ class FlipFinder {
             // Both triangles are what its last flip has made: this one undoes it, which cannot be told and need not be.
             const Made made = made_[last];
             mesh_->flip(e);
-            // Two flips turn an edge round.
-            const bool is_first = (e & 1U) == 0;
-            rounds_.set(*mesh_, e, is_first ? made.right : made.left);
-            rounds_.set(*mesh_, o, is_first ? made.left : made.right);
+            const Index even = e & ~Index{1};
+            const bool is_turned = mesh_->from(even) != made.from;  // as two flips turn an edge round, and four do not
+            rounds_.set(*mesh_, even, is_turned ? made.right : made.left);
+            rounds_.set(*mesh_, even | 1U, is_turned ? made.left : made.right);
             made_[last].is_undone = true;
             last = made.before;
             --count_;
             return;
         }
         const std::uint32_t round = 1 + std::max(rounds_[e], rounds_[o]);
-        made_.push_back({{e & ~Index{1}, round}, rounds_[e & ~Index{1}], rounds_[e | 1U], last, false});
+        made_.push_back(
+            {{e & ~Index{1}, round}, rounds_[e & ~Index{1}], rounds_[e | 1U], mesh_->from(e & ~Index{1}), last, false});
         last = made_.size() - 1;
         ++count_;
         mesh_->flip(e);

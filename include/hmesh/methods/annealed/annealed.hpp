@@ -438,14 +438,16 @@ HMESH_COLD Status Annealed::run_or_grow(kit::TiledMesh<C>& mesh, std::size_t n, 
     if (run(first)) return {};
     if (mesh.progress().stopped()) return kit::cancelled_by_callback();
     // More than n vertices are left, each of whose collapses would make a face below min_double_area. Growing to n in one piece,
-    // without a collapse, always ends at n.
+    // without a collapse, ends at n wherever there are n places.
     plan.points = 1;
     plan.annealing.sweeps = 0;
     const bool is_done = kit::detail::AnnealedRun<C>(mesh, n, plan, seed, std::max(width, height), true, border).run();
-    if (!is_done && !border.empty() && !mesh.progress().stopped())
+    if (is_done || mesh.progress().stopped()) return kit::finished_or_cancelled(is_done);
+    if (!border.empty())
         return {Errc::target_out_of_range, "the sides of the mesh, by border_tolerance, need more vertices between them",
                 static_cast<std::int64_t>(n), static_cast<std::int64_t>(border.size())};
-    return kit::finished_or_cancelled(is_done);
+    return {Errc::target_out_of_range, "position_step leaves no places for so many vertices", static_cast<std::int64_t>(n),
+            static_cast<std::int64_t>(mesh.vertex_count())};
 }
 
 template <int C>
