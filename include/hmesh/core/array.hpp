@@ -33,8 +33,7 @@ class ArrayMemory {
     HMESH_PATCHWISE ArrayMemory(const ArrayMemory& other) { append(other.data_, other.used_); }
     ArrayMemory(ArrayMemory&& other) noexcept { swap(other); }
     HMESH_PATCHWISE ArrayMemory& operator=(const ArrayMemory& other) {
-        ArrayMemory copy(other);
-        swap(copy);
+        if (this != &other) *this = ArrayMemory(other);
         return *this;
     }
     HMESH_PATCHWISE ArrayMemory& operator=(ArrayMemory&& other) noexcept {
