@@ -362,6 +362,9 @@ def test_join_leaves_the_files_of_the_job_alone(terrain):
     before = contents()
     for output in ["job", "job/done", "job/x.ply"]:
         terrain.fails("is within the job", f"job join job -o {output}")
+    Path("out.ply").symlink_to("job/done/x.ply")
+    terrain.fails("is within the job", "job join job -o out.ply")
+    Path("out.ply").unlink()
     assert terrain.run("job join job -o -").returncode == 2 and contents() == before
 
 

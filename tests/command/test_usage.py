@@ -32,6 +32,7 @@ WRONG = rows("""
     makefiles have no names with control      | grey.pgm -o 'a&b.ply' --depfile new.d
     makefiles have no names with control      | grey.pgm -o a%b.ply --depfile new.d
     makefiles have no names with control      | grey.pgm -o a=b.ply --depfile new.d
+    makefiles have no names with control      | grey.pgm -o a.ply --report 'a(1)' --depfile new.d
     has '-1', which must be from 0 to 1000000 | color.ppm --channel-weights 1,-1,1
     sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
     not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied

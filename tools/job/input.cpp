@@ -5,6 +5,7 @@
 #include <system_error>
 
 #include "job/sha256.hpp"
+#include "writers/output_file.hpp"
 
 namespace job {
 namespace {
@@ -37,6 +38,7 @@ std::string find_identity(const std::string& path, bool hashes, std::optional<In
 std::string find_input(const std::string& path, bool hashes, Input& input) {
     std::error_code code;
     input.path = fs::exists(path, code) ? fs::absolute(path).lexically_normal().string() : path;
+    if (tool::is_part(path)) return tool::unfinished(path);
     if (!is_utf8(input.path)) return "'" + input.path + "' is no name in UTF-8, which plans are written in";
     return find_identity(input.path, hashes, input.identity);
 }

@@ -43,11 +43,12 @@ std::string check_new(const Folder& folder) {
     const std::filesystem::path path(folder.path());
     if (!std::filesystem::exists(path, code)) return {};
     if (!std::filesystem::is_directory(path, code)) return "'" + folder.path() + "' is no folder";
-    if (folder.has(plan_file)) return {};
-    const std::filesystem::directory_iterator files(path, code);
-    const bool is_new =
-        std::all_of(begin(files), end(files), [](const auto& file) { return tool::is_part(file.path().string()); });
-    if (!code && is_new) return {};  // or another plan is about to be written, or was not
+    // Parts are of plans that were not finished. Files are looked at first, as plan.json is the first that another plan writes.
+    bool is_new = true;
+    std::filesystem::directory_iterator file(path, code);
+    for (; !code && file != std::filesystem::directory_iterator(); file.increment(code))
+        is_new = is_new && tool::is_part(file->path().string());
+    if ((!code && is_new) || folder.has(plan_file)) return {};
     return "'" + folder.path() + "' is not empty, and no job: name a new folder";
 }
 
@@ -83,10 +84,7 @@ std::string read_plan(const Folder& folder, const std::string& program, Json& va
 }
 
 std::string check_output(const Folder& folder, const std::string& output) {
-    namespace fs = std::filesystem;
-    std::error_code none;
-    const fs::path own = fs::weakly_canonical(folder.path(), none);
-    const fs::path to = fs::weakly_canonical(fs::absolute(output, none), none);
+    const std::filesystem::path own(tool::full_name(folder.path())), to(tool::full_name(output));
     const bool is_within = std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end();
     return is_within ? "'" + output + "' is within the job, whose files are its own: join into another place" : "";
 }

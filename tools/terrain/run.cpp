@@ -205,7 +205,8 @@ int run(const Arguments& arguments) {
     if (arguments.quiet) return tool::done;
     std::FILE* const to = tool::is_standard(arguments.report) ? stderr : stdout;
     print_summary(to, arguments, *dem, run.tiles, run.ends, seconds);
-    return std::fflush(to) == 0 ? tool::done : tool::fail(tool::failed, "cannot write to the standard output");
+    if (std::fflush(to) == 0 || to == stderr) return tool::done;
+    return tool::fail(tool::failed, "cannot write to the standard output");
 }
 
 }  // namespace terrain

@@ -86,7 +86,8 @@ struct CompactLattice {
 [[nodiscard]] inline CompactLattice find_lattice(int width, int height, int columns, int rows, double cell, bool bare) noexcept {
     // Finer ones gain nothing, or are no images.
     const double area = static_cast<double>(width) * height, longer = std::max(width, height);
-    cell = std::max({cell, 0.6, longer / kit::max_side, std::sqrt(area / static_cast<double>(kit::max_pixels))});
+    const double least = std::max(longer / kit::max_side, std::sqrt(area / static_cast<double>(kit::max_pixels)));
+    cell = std::max({cell, 0.6, least});
     CompactLattice out{};
     // Two pixels a site and 65,536 in all are enough, and more than twice those of the second image too many.
     const double sites = area / (cell * cell);
@@ -97,7 +98,7 @@ struct CompactLattice {
         out.per_site *= 2;
     out.has_one_image = sites >= 65536 && sites >= static_cast<double>(columns) * rows;
     out.units = bare ? 1 : 256;
-    const double narrowest = 256 * longer * out.per_site / kit::max_side;  // of whole 1/256 px
+    const double narrowest = 256 * out.per_site * least;  // as steps are whole 1/256 px
     const auto step = static_cast<std::int64_t>(std::min(std::max(256 * cell + 0.5, std::ceil(narrowest)), 33554432.0));
     const auto axis = [&](int side, int size) {
         if (bare) {

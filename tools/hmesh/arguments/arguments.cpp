@@ -537,7 +537,8 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
             names.insert(names.end(), more.begin(), more.end());
         for (const std::string& name : names)
             if (!is_make_name(name))
-                return "--depfile is given with '" + name + "', and makefiles have no names with control characters or any of " +
+                return "--depfile is given with '" + name +
+                       "', and makefiles have no names with control characters, a parenthesis at the end or any of " +
                        foreign_to_make;
     }
     if (arguments.keep_partial && !arguments.depfile.empty())

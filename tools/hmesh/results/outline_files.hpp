@@ -13,7 +13,7 @@
 
 namespace tool {
 
-// Writes all files, or none. Returns "" or what went wrong.
+// Writes all files, or none (OutputSet). Returns "" or what went wrong.
 [[nodiscard]] std::string write_outline_files(const Arguments& arguments, const ImageFile& image, const hmesh::Outline& outline,
                                               const std::string& report, OutputSet& files);
 

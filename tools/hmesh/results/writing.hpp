@@ -16,8 +16,8 @@ namespace tool {
 // About how long write_files() and the colours of a .glb for linear light take, in microseconds of one core.
 [[nodiscard]] double writing_work(const Arguments& arguments, const ImageFile& image);
 
-// Writes all files, or none. `bytes` are those of the image's file, for .html; `report`: the report's text; `watch` is told of
-// each file. Returns "" or what went wrong.
+// Writes all files, or none (OutputSet). `bytes` are those of the image's file, for .html; `report`: the report's text; `watch`
+// is told of each file. Returns "" or what went wrong.
 [[nodiscard]] std::string write_files(const Arguments& arguments, const ImageFile& image, const std::vector<unsigned char>& bytes,
                                       const Made& made, const std::string& report, OutputSet& files, ProgressWatch& watch);
 

@@ -15,7 +15,6 @@
 #include "tiles/join.hpp"
 #include "tiles/plan.hpp"
 #include "tiles/tasks.hpp"
-#include "writers/formats.hpp"
 
 namespace tool {
 namespace {

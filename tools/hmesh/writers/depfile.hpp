@@ -15,6 +15,7 @@ inline constexpr char foreign_to_make[] = R"(\ * ? [ ] % = ; | < > ^ & ~ ' " `)"
 
 // Whether make and Ninja read a name as depfile() writes it.
 [[nodiscard]] inline bool is_make_name(const std::string& name) {
+    if (!name.empty() && name.back() == ')') return false;  // to make it is a member of an archive
     for (const char c : name)
         if (static_cast<unsigned char>(c) < ' ' || (c != ' ' && std::strchr(foreign_to_make, c) != nullptr)) return false;
     return true;

@@ -22,10 +22,13 @@ class NewFolders {
     // The folder and those around it, where they are not there. Returns "" or why not, as a sentence.
     [[nodiscard]] std::string make(const std::filesystem::path& folder) {
         std::error_code code;
-        if (folder.empty() || std::filesystem::exists(folder, code)) return {};
-        if (folder.has_relative_path() && folder.parent_path() != folder)
-            if (std::string why = make(folder.parent_path()); !why.empty()) return why;
-        if (std::filesystem::create_directory(folder, code)) made_.push_back(folder);
+        for (int tries = 0; tries < 100; ++tries) {
+            if (folder.empty() || std::filesystem::exists(folder, code)) return {};
+            if (folder.has_relative_path() && folder.parent_path() != folder)
+                if (std::string why = make(folder.parent_path()); !why.empty()) return why;
+            if (std::filesystem::create_directory(folder, code)) made_.push_back(folder);
+            if (code != std::errc::no_such_file_or_directory) break;  // another run has just taken one around it away
+        }
         return code ? "cannot make the folder '" + folder.string() + "': " + code.message() : "";
     }
 

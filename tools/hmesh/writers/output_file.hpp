@@ -19,7 +19,7 @@ namespace tool {
 // One name of a file, which may be still to be made, by whatever links and folders it is named.
 [[nodiscard]] std::string full_name(const std::string& path);
 
-// Whether a file of this name is one that is being written, or that a killed program left behind: NAME.hmesh-part0 to 99.
+// Whether a file of this name is one that is being written, or that a killed program left behind: NAME.hmesh-part and a number.
 [[nodiscard]] bool is_part(const std::string& name);
 // The sentence about one that is to be read.
 [[nodiscard]] inline std::string unfinished(const std::string& name) {
@@ -47,6 +47,8 @@ class OutputFile {
     // The same of a lasting one, unless there is a file of that name by now, which stays as it is: true then, too.
     [[nodiscard]] bool commit_new() { return commit(true, false); }
 
+    // Whether it is written directly, and has had its name all the time.
+    [[nodiscard]] bool is_direct() const noexcept { return in_place_ || is_standard_; }
     // Why the last call returned false.
     [[nodiscard]] const std::string& error() const noexcept { return error_; }
     // Whether that was for want of the folder.

@@ -1,8 +1,9 @@
 // tools - OutputSet: the files of one run, all of which get their names or none.
 //
-// Each is written beside its place, and when all are, they are named one after the other, which nothing interrupts. The standard
-// output and devices are written at once. Folders that are to be made for them are made when a file is tried or written, again
-// where another run that ended has taken an empty one away, and those that stay empty are removed.
+// Each is written beside its place, and when all are, they are named one after the other, which a first interrupt does not stop:
+// only a kill between two of them, or a name that the system refuses, leaves new ones beside old ones. The standard output, pipes
+// and devices are written at once. Folders that are to be made for the files are made when one is tried or written, again where
+// another run that ended has taken an empty one away, and those that stay empty are removed.
 #ifndef HMESH_TOOLS_WRITERS_OUTPUT_SET_HPP
 #define HMESH_TOOLS_WRITERS_OUTPUT_SET_HPP
 
@@ -45,6 +46,7 @@ class OutputSet {
         if (why.empty() && file->flush() && interrupted) why = "interrupted";
         if (!file->error().empty()) why = file->error();
         if (!why.empty()) return refusal(name, why);
+        if (file->is_direct()) return file->commit() ? std::string() : refusal(name, file->error());
         files_.emplace_back(name, std::move(file));
         return {};
     }
