@@ -159,7 +159,7 @@ class CompactSearch {
             if (promise <= most) break;
             most = promise;
             color_step = step;
-            n = static_cast<std::int64_t>(static_cast<double>(mesh_.vertex_count()) / share);
+            n = paid_for(mesh_.vertex_count(), share);
         }
         return most;
     }
@@ -184,7 +184,7 @@ class CompactSearch {
             if (share > 1) above = n;
             else below = n;
             if (fits && share > 0.96) break;
-            n = static_cast<std::int64_t>(static_cast<double>(n) / share);
+            n = paid_for(static_cast<std::size_t>(n), share);
         }
         return true;
     }
@@ -202,6 +202,10 @@ class CompactSearch {
   private:
     [[nodiscard]] ImageView<std::uint8_t, C> first_image() const noexcept {
         return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
+    }
+    // How many vertices all bytes pay for, where so many take a share of them: that may be any number.
+    [[nodiscard]] static std::int64_t paid_for(std::size_t vertices, double share) noexcept {
+        return static_cast<std::int64_t>(std::min(static_cast<double>(vertices) / share, 1e15));
     }
     [[nodiscard]] std::int64_t most_vertices() const noexcept {
         const std::int64_t pixels = std::int64_t{first_image().width} * first_image().height;
