@@ -2701,11 +2701,12 @@ class CompactWriter {
         if (const Status status = find_points(); !status) return status;
         if (const Status status = find_faces(); !status) return status;
         find_colors();
-        if (head_.periodic != Periodic::none && head_.color_step > 0)
-            return {Errc::invalid_argument, "periodic meshes have exact colours, as copies on the cut have the same ones",
-                    head_.color_step, 0};
-        if (head_.periodic != Periodic::none)
+        if (head_.periodic != Periodic::none) {
+            if (head_.color_step > 0)
+                return {Errc::invalid_argument, "periodic meshes have exact colours, as copies on the cut have the same ones",
+                        head_.color_step, 0};
             if (const Status status = kit::check_periodic(*mesh_); !status) return status;
+        }
         if (options.bare && !is_bare(head_))
             return {Errc::invalid_argument, "a bare compact mesh must have peak 255, 8 bits, positions of whole px and no holes"};
         return {};

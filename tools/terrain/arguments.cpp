@@ -418,8 +418,7 @@ JobCommandLine parse_job(const std::vector<std::string>& words) {
         return line;
     }
     if (!line.wrong.empty()) return line;
-    if (job.command == JobCommand::join && job.output.empty()) line.wrong = "no output is given: -o names it";
-    if (job.command == JobCommand::join && tool::is_standard(job.output)) line.wrong = tool::no_place_to_join;
+    if (job.command == JobCommand::join) line.wrong = tool::find_output_conflict(job);
     if (job.command != JobCommand::plan) return line;
     line.wrong = find_second(inputs);
     job.input = job.dem.input = inputs.front();

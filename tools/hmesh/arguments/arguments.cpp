@@ -729,8 +729,7 @@ void add_join_options(CLI::App& app, TileJob& out) {
 
 // What is wrong with the output of join, or "". Of a folder the format is given then.
 std::string find_join_conflict(TileJob& job) {
-    if (job.output.empty()) return "no output is given: -o names it";
-    if (is_standard(job.output)) return no_place_to_join;
+    if (std::string why = find_output_conflict(job); !why.empty()) return why;
     const std::string ending = format_ending(job.output);
     if (!ending.empty() && !job.format.empty())
         return "--format is given, of tiles in a folder, and '" + job.output + "' is one file of the format " + ending;

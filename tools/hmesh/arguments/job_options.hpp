@@ -8,6 +8,7 @@
 #include "arguments/job_call.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/values.hpp"
+#include "terminal/standard_streams.hpp"
 
 namespace tool {
 
@@ -94,8 +95,11 @@ inline void add_status_options(CLI::App& app, JobCall& out, const char* version_
     return wrong.empty() && answer.empty();
 }
 
-// What is wrong with joining into "-".
-inline constexpr char no_place_to_join[] = "--output - is no file and no folder, which tiles are joined into";
+// What is wrong with where tiles are joined into, or "".
+[[nodiscard]] inline std::string find_output_conflict(const JobCall& join) {
+    if (join.output.empty()) return "no output is given: -o names it";
+    return is_standard(join.output) ? "--output - is no file and no folder, which tiles are joined into" : "";
+}
 
 // What is missing where words without a name are.
 [[nodiscard]] inline const char* missing_words(JobCommand command) {

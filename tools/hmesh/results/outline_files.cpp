@@ -7,7 +7,7 @@
 
 #include "hmesh/io/textured.hpp"
 #include "results/lines.hpp"
-#include "results/write_depfile.hpp"
+#include "results/write_notes.hpp"
 #include "terminal/standard_streams.hpp"
 #include "terminal/words.hpp"
 #include "writers/pictures.hpp"
@@ -77,8 +77,7 @@ std::string write_outline_files(const Arguments& arguments, const ImageFile& ima
                 return in_sentence(hmesh::write_material(texture_name(arguments, material).c_str(), out));
             });
     if (why.empty() && !arguments.wireframe.empty()) why = write_edges(files, arguments.wireframe, image, mesh);
-    if (why.empty() && !arguments.report.empty()) why = files.write_text(arguments.report, report);
-    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(files, arguments);
+    if (why.empty()) why = write_notes(files, arguments, report);
     return why.empty() ? files.commit() : why;
 }
 

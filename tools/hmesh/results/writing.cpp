@@ -4,7 +4,7 @@
 
 #include "results/mesh_file.hpp"
 #include "results/web_page.hpp"
-#include "results/write_depfile.hpp"
+#include "results/write_notes.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
 #include "writers/formats.hpp"
@@ -135,8 +135,7 @@ std::string write_files(const Arguments& arguments, const ImageFile& image, cons
                         const Made& made, const std::string& report, OutputSet& files, ProgressWatch& watch) {
     std::string why = write_meshes(arguments, image, bytes, made, files, watch);
     if (why.empty()) why = write_pictures(arguments, image, made.finest().outcome.mesh, made.maps, files, watch);
-    if (why.empty() && !arguments.report.empty()) why = files.write_text(arguments.report, report);
-    if (why.empty() && !arguments.depfile.empty()) why = write_depfile(files, arguments);
+    if (why.empty()) why = write_notes(files, arguments, report);
     return why.empty() ? files.commit() : why;
 }
 
