@@ -21,6 +21,7 @@ let name = ''; // the photo's, without ending
 let source = null; // what it was read from: {file} or {sample, width, height}
 let mesh = null;
 let opening = 0; // counts what was opened
+let isInterrupted = false; // whether a mesh was at work when what is read now was opened
 let range = { least: 4, most: 4 }; // of vertices
 
 // --- what the page says ---
@@ -104,6 +105,7 @@ function showWanted() {
 }
 function remesh() {
   if (!picture) return;
+  isInterrupted = false;
   setState('refining');
   byId('doing').textContent = 'Draft…';
   showShare(0);
@@ -147,7 +149,7 @@ function forget() {
 // Reads a photo, or draws a sample; what was there before stays if it cannot be read.
 async function open(from, title) {
   const mine = ++opening;
-  meshing.stop();
+  isInterrupted = meshing.stop() || isInterrupted;
   hideFault();
   closePopups();
   setState('reading');
@@ -163,8 +165,11 @@ async function open(from, title) {
     usePicture(made.picture);
   } catch (error) {
     if (mine !== opening) return;
-    setState(picture ? 'done' : 'start');
-    showOutcome();
+    if (isInterrupted || document.body.dataset.state === 'refining') remesh(); // as the slider may have wanted meanwhile
+    else {
+      setState(picture ? 'done' : 'start');
+      showOutcome();
+    }
     showFault(error.message);
   }
 }
@@ -174,6 +179,7 @@ function stop() {
   const { state } = document.body.dataset;
   if (state !== 'reading' && state !== 'refining') return;
   opening++; // what is read now is not opened
+  isInterrupted = false;
   meshing.stop();
   setState(mesh ? 'done' : 'start');
   if (!mesh) forget();

@@ -8,7 +8,12 @@ const TYPES = { '.html': 'text/html; charset=utf-8', '.js': 'text/javascript', '
 const [folder = 'build/web', port = '8080'] = process.argv.slice(2);
 
 const server = createServer((request, response) => {
-  const path = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
+  let path;
+  try {
+    path = decodeURIComponent(new URL(request.url, 'http://localhost').pathname);
+  } catch {
+    return response.writeHead(400).end('This is no address.\n');
+  }
   const file = join(resolve(folder), normalize(path.endsWith('/') ? `${path}index.html` : path));
   if (!existsSync(file) || !statSync(file).isFile()) return response.writeHead(404).end('There is no such file.\n');
   response.writeHead(200, {

@@ -168,9 +168,20 @@ test('progress rises to 1, and what it throws ends the call', async () => {
   const hmesh = await load();
   assert.equal(await errorOf(() => hmesh.meshImage(image, { onProgress() { throw thrown; } })), thrown);
   assert.equal(await errorOf(() => hmesh.meshImage(image, { onMesh() { throw thrown; } })), thrown);
+  for (const what of [new RangeError('mine'), null, undefined]) {  // whatever it is
+    assert.equal(await errorOf(() => hmesh.meshImage(image, { onProgress() { throw what; } })), what);
+    assert.equal(await errorOf(() => meshImage(image, { onProgress() { throw what; } })), what);
+  }
   const stopped = hmesh.meshImage(image, { onProgress: ({ total }) => total < 0.5 });
   assertMesh(stopped, image, 3);
   assert.equal(stopped.complete, false);
+  // A mesh made meanwhile leaves the one on its way its callbacks.
+  let heard = 0;
+  const outer = hmesh.meshImage(image, { vertices: 100, onMesh() {
+    if (heard++ === 0) assert.equal(hmesh.meshImage(image, { vertices: 40, effort: 'draft' }).vertices, 40);
+  } });
+  assert.ok(heard > 1, `${heard} meshes`);
+  assert.equal(hashOf(outer), hashOf(hmesh.meshImage(image, { vertices: 100 })));
 });
 
 test('an AbortSignal ends what is at work and what waits, by a flag, and the same worker goes on', async () => {
@@ -187,6 +198,11 @@ test('an AbortSignal ends what is at work and what waits, by a flag, and the sam
   assert.equal((await first).name, 'AbortError');
   assert.equal((await third).vertices, 70);
   assert.equal(workers, 1);
+  for (const why of [null, 0, '']) {  // a reason is one, whatever it is
+    const controller = new AbortController();
+    const stopped = errorOf(() => mesher.meshImage({ vertices: 5000, effort: 'best', signal: controller.signal, onProgress() { controller.abort(why); } }));
+    assert.equal(await stopped, why);
+  }
   const reason = new Error('at once');
   assert.equal(await errorOf(() => mesher.write('ply', { signal: AbortSignal.abort(reason) })), reason);
   assert.equal(await errorOf(() => mesher.meshImage({ signal: AbortSignal.abort(reason) })), reason);
@@ -212,7 +228,15 @@ test('files begin as their formats do, and those of .hmc come back', async () =>
   const glb = Buffer.from(await mesher.write('glb'));
   assert.equal(glb.toString('latin1', 0, 4), 'glTF');
   assert.equal(glb.readUInt32LE(8), glb.length);
-  const back = await mesher.read(await mesher.write('hmc'));
+  // Those that wait take the mesh of the call before them.
+  const [other, file, drawn] = await Promise.all([mesher.meshImage({ vertices: 60 }), mesher.write('ply'), mesher.render()]);
+  assert.equal(other.vertices, 60);
+  assert.match(Buffer.from(file).toString('latin1'), /element vertex 60\n/);
+  assert.equal(hash(drawn.data), hash((await mesher.render({ mesh: other })).data));
+  const made = await mesher.meshImage({ bytes: 300, bare: true }), bare = await mesher.read(made.file, { bare: true });
+  assert.equal(hashOf(bare), hashOf(made));
+  assert.equal(mesher.mesh, bare);
+  const back = await mesher.read(await mesher.write('hmc', { mesh }));
   assert.equal(mesher.mesh, back);
   assert.equal(hash((await mesher.render()).data), hash((await mesher.render({ mesh })).data));  // vertices come in another order
   assertMesh(back, image, 3);
@@ -265,12 +289,16 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     [{ ...mesh, indices: mesh.indices.map(() => 50) }, /names no vertex/], [{ ...mesh, positions: mesh.positions.map(() => NaN) }, /NaN/],
     [{ ...mesh, width: 0 }, /width/], [{ ...mesh, height: 1e9 }, /height/], [{ ...mesh, channels: 2 }, /channels/],
     [{ ...mesh, positions: new Float32Array(0), colors: new Uint8Array(0) }, /no vertices/],
+    [{ ...mesh, positions: new Float32Array(2003), colors: new Uint8Array(4006), channels: 4 }, /fit together/],  // 1001.5 vertices
   ];
   for (const [bad, sentence] of meshes)
     for (const call of [() => hmesh.write(bad, 'ply'), () => mesher.write('ply', { mesh: bad }), () => hmesh.render(bad, { width: 5, height: 5 })])
       assert.match((await errorOf(call)).message, sentence);
   assert.match((await errorOf(() => hmesh.write(mesh, 'bmp'))).message, /format .*bmp/);
   assert.match((await errorOf(() => hmesh.write(mesh, 'svg', { kind: 'oil' }))).message, /oil/);
+  for (const lattice of [-1, 0.001, 'x', 2 ** 24]) assert.match((await errorOf(() => hmesh.write(mesh, 'hmc', { bare: true, lattice }))).message, /lattice/);
+  for (const colorStep of [-1, 0.5, 'x', 4096])
+    assert.match((await errorOf(() => hmesh.write(mesh, 'hmc', { bare: true, lattice: 1, colorStep }))).message, /colorStep/);
   assert.match((await errorOf(() => hmesh.write(mesh, 'html', { original: new Uint8Array(1), originalType: 'a b' }))).message, /media type/);
   assert.match((await errorOf(() => hmesh.render(mesh, { width: 1e6 }))).message, /1000000/);
   for (const file of [undefined, 'text', new Uint8Array(0), new Uint8Array(100)]) assert.ok((await errorOf(() => hmesh.read(file))) instanceof HmeshError);
@@ -281,7 +309,9 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     assert.ok((await errorOf(() => hmesh.read(damaged))) instanceof HmeshError);
   }
   assert.match((await errorOf(() => new Mesher().meshImage())).message, /no image/);
-  assert.match((await errorOf(() => new Mesher().write('ply'))).message, /positions/);
+  for (const call of [() => new Mesher().write('ply'), () => new Mesher().render()]) assert.match((await errorOf(call)).message, /positions/);
+  for (const call of [() => mesher.write(undefined, { mesh }), () => mesher.write('', { mesh })]) assert.match((await errorOf(call)).message, /format .*none of/);
+  assert.match((await errorOf(() => mesher.read())).message, /bytes of a file/);
   assert.equal(hashOf(hmesh.meshImage(image, { vertices: 50 })), hashOf(mesh));
   assert.equal(hashOf(await mesher.meshImage({ vertices: 50 })), hashOf(mesh));
   mesher.close();
@@ -318,6 +348,10 @@ test('threads give the bytes of one thread, and running out of memory ends none 
     mesher.setImage(large);
     assert.equal(hashOf(await mesher.meshImage({ vertices: 3000 })), expected);
     mesher.close();
+  }
+  for (const maximumMemory of [8, 16, 64]) {  // what helpers take leaves enough
+    await init({ threads: 64, maximumMemory });
+    assert.equal((await meshImage(image, { vertices: 50 })).vertices, 50);
   }
   for (const threads of [0, NaN, 65]) assert.match((await errorOf(() => init({ threads }))).message, /threads must be from 1 to 64/);
   await init({ threads: 2, maximumMemory: 2048 });

@@ -180,6 +180,30 @@ const both = { // from a server, and from a file
     expect((await page.getAttribute('#view', 'aria-label')).startsWith('pasted: a mesh'), 'the mesh has gone');
   },
 
+  async 'a photo that cannot be read leaves the one before as it would have been'(page) {
+    // While the good one has no mesh yet, and with the slider moved while the bad one is read.
+    for (const isMoved of [false, true]) {
+      await page.evaluate((moved) => {
+        const seen = new MutationObserver(() => {
+          if (document.body.dataset.state !== 'refining') return;
+          seen.disconnect();
+          const data = new DataTransfer();
+          data.items.add(new File(['no photo'], 'bad.txt'));
+          document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: data, bubbles: true, cancelable: true }));
+          if (moved) document.getElementById('count').dispatchEvent(new Event('input'));
+        });
+        seen.observe(document.body, { attributeFilter: ['data-state'] });
+      }, isMoved);
+      await choose(page, 'good.png', large);
+      await fault(page);
+      expect(['refining', 'done'].includes(await state(page)), `it is ${await state(page)}`);
+      await page.waitForSelector('#view[aria-label^="good: a mesh"]', patience);
+      await refined(page);
+      equal(await text(page, 'doing'), 'Refined: normal', 'the page says');
+      await page.keyboard.press('Escape');
+    }
+  },
+
   async 'the slider sets the number of vertices'(page) {
     await opened(page, small);
     let last = await vertices(page);

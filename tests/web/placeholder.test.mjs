@@ -2,7 +2,7 @@
 // command that writes them, and the page that shows them.
 import assert from 'node:assert/strict';
 import { execFile } from 'node:child_process';
-import { mkdtemp, readFile, rm, writeFile } from 'node:fs/promises';
+import { chmod, lstat, mkdtemp, readFile, rm, stat, symlink, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -175,6 +175,12 @@ test('toDataURL() is a PNG of these pixels', () => {
     }
 });
 
+test('encode() refuses what is no image of RGBA', () => {
+  const { data } = picture(20, 10);
+  for (const bad of [null, {}, { data, width: 100, height: 100 }, { data, width: 0, height: 0 }, { data: data.slice(0, 600), width: 20, height: 10, channels: 3 }])
+    assert.throws(() => encode(encoder, bad), { name: 'HmeshError' });
+});
+
 test('encode() fills the bytes and does not pass them, and what it keeps looks like the image', () => {
   const image = picture(160, 120);
   let last = Infinity;
@@ -330,6 +336,47 @@ test('hmesh placeholder prints images with placeholders, and writes them into pa
   }
 });
 
+test('hmesh placeholder changes nothing of a page but its images, whatever the page is like', async () => {
+  const folder = await mkdtemp(join(tmpdir(), 'hmesh-pages-'));
+  try {
+    const grey = (width, height) => makePng(width, height, 8, 0, new Array(height * (width + 1)).fill(0));
+    for (const name of ['a.png', '100%.png', 'ä.png', 'a#b.png', 'n:x.png', 'cut.png']) await writeFile(join(folder, name), grey(4, 3));
+    await writeFile(join(folder, 'cut.png'), grey(4, 3).subarray(0, 50));
+    await writeFile(join(folder, 'none.png'), '');
+    const { stdout } = await run(folder, 'placeholder', 'a#b.png', './n:x.png');
+    assert.match(stdout, /^<img src="a%23b\.png".*\n<img src="n%3Ax\.png"/);
+    const [, added] = /( width="4" height="3" data-mesh="[\w-]+")>/.exec(stdout);
+    // Where ^ is, an image is given a placeholder.
+    const pages = [
+      '<meta charset="iso-8859-1">caf\xe9 <img src="a.png"^>', 'caf\xc3\xa9 <img src="\xc3\xa4.png"^>', 'caf\xe9 <img src="\xe4.png"^ >',
+      `<div data-html="<img src='a.png'>">x</div><iframe srcdoc='<img src="a.png">'><img src=a.png></iframe>`,
+      `<img src=a.png alt=it's^><p>don't <img src='100%.png'^ /></p>`, '<style>/* <img src=a.png> */</style><textarea><img src=a.png></textarea><IMG SRC=a.png^>',
+      '<noscript><img src=a.png></noscript><title><img src=a.png></title><img src=a.png^', '<img src=a.png src=b.png^>', '<img data-src=a.png><img alt src = a.png^>',
+      '<!-- <img src=a.png>', '<base href="https://x.example/"><img src=a.png>', '<base href="x/../"><base href="https://x.example/"><img src=a.png^>',
+      '<script>x = "</script ><img src=a.png^>"', '<imgs src=a.png><img-x src=a.png>', `<img alt="a > b 'c" src="./a.png?x=1#y"^>`, '', '<', '<img', '<img src="a.png',
+    ];
+    for (const [k, wanted] of pages.entries()) {
+      const name = join(folder, `${k}.html`), isWhole = wanted !== '<noscript><img src=a.png></noscript><title><img src=a.png></title><img src=a.png^';
+      await writeFile(name, wanted.replaceAll('^', ''), 'latin1');
+      const { code, stderr } = await run(folder, 'placeholder', `${k}.html`);
+      assert.deepEqual([code, stderr.split('\n').length], [0, 2], stderr);
+      assert.equal(await readFile(name, 'latin1'), wanted.replaceAll('^', isWhole ? added : ''), wanted);
+    }
+    // Images that cannot be read are named, and the others are filled in; the page keeps its mode, and a link stays one.
+    await writeFile(join(folder, 'page.html'), '<img src=no.png><img src=cut.png><img src=none.png><img src=a.png>');
+    await chmod(join(folder, 'page.html'), 0o640);
+    await symlink('page.html', join(folder, 'link.html'));
+    const { code, stderr } = await run(folder, 'placeholder', 'link.html');
+    assert.equal(code, 1);
+    assert.match(stderr, /^link\.html: 1 placeholder\nhmesh: link\.html: no\.png: ENOENT.*\nhmesh: link\.html: cut\.png: .+\nhmesh: link\.html: none\.png: the file is empty\n$/);
+    assert.equal(await readFile(join(folder, 'page.html'), 'latin1'), `<img src=no.png><img src=cut.png><img src=none.png><img src=a.png${added}>`);
+    assert.equal((await stat(join(folder, 'page.html'))).mode & 0o777, 0o640);
+    assert.ok((await lstat(join(folder, 'link.html'))).isSymbolicLink());
+  } finally {
+    await rm(folder, { recursive: true });
+  }
+});
+
 const browser = await startBrowser(), skip = !browser && 'there is no Chromium, or node finds no playwright-core';
 after(() => browser?.close());
 
@@ -349,6 +396,7 @@ test('watch() paints images that come near, until they have loaded, and lets oth
       };
       Object.assign(window, { add });
       add('first', text);
+      document.getElementById('first').style.background = 'rgb(1, 2, 3)';
       add('bad', '!');
       add('far', text, 20000);
     }, [mesh, src]);
@@ -356,11 +404,11 @@ test('watch() paints images that come near, until they have loaded, and lets oth
       const { watch } = await import('/npm/placeholder.js');
       window.stop = watch();
     });
-    const background = (id) => page.$eval(`#${id}`, (image) => image.style.background);
-    const painted = (id) => page.waitForFunction((name) => document.getElementById(name).style.background.includes('data:image/png'), id);
+    const background = (id) => page.$eval(`#${id}`, (image) => getComputedStyle(image).backgroundImage);
+    const painted = (id) => page.waitForFunction((name) => getComputedStyle(document.getElementById(name)).backgroundImage.includes('data:image/png'), id);
     await painted('first');
-    assert.equal(await background('bad'), '');
-    assert.equal(await background('far'), '');
+    assert.equal(await background('bad'), 'none');
+    assert.equal(await background('far'), 'none');
     await page.evaluate((text) => window.add('later', text), mesh);
     await page.$eval('#far', (image) => image.scrollIntoView());
     await painted('far');
@@ -373,14 +421,19 @@ test('watch() paints images that come near, until they have loaded, and lets oth
     // Loaded images have none.
     const png = makePng(1, 1, 8, 2, [0, 1, 2, 3]);
     for (const response of waiting.splice(0)) response.writeHead(200, { 'content-type': 'image/png' }).end(png);
-    await page.waitForFunction(() => ['first', 'far', 'later'].every((id) => document.getElementById(id).style.background === ''));
+    await page.waitForFunction(() => ['first', 'far', 'later'].every((id) => getComputedStyle(document.getElementById(id)).backgroundImage === 'none'));
+    assert.equal(await page.$eval('#first', (image) => getComputedStyle(image).background), await page.evaluate(() => {
+      const image = Object.assign(new Image(), { style: 'background: rgb(1, 2, 3)' });
+      document.body.append(image);
+      return getComputedStyle(image).background;
+    }));  // as its author wants it
     await page.evaluate((text) => {
       window.stop();
       window.add('after', text);
     }, mesh);
     await page.$eval('#after', (image) => image.scrollIntoView());
     await page.waitForTimeout(300);
-    assert.equal(await background('after'), '');
+    assert.equal(await background('after'), 'none');
     assert.deepEqual(faults, []);
     await page.close();
   } finally {

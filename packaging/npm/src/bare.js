@@ -333,8 +333,8 @@ export function readBare(bytes, told = []) {
   });
   counts.push(inside);
   let n = 4;
-  counts.forEach((count, k) => refuseIf(count > sizes[k][0] * sizes[k][1] || (n += count) > MOST_POINTS));
   counts.forEach((count, k) => {
+    refuseIf(count > sizes[k][0] * sizes[k][1] || (n += count) > MOST_POINTS);
     if (!count) return;
     for (const site of readSites(bits, tell, mixed, ...sizes[k], count)) {
       const i = step * (1 + site / ROW | 0), j = step * (1 + site % ROW);

@@ -1,10 +1,11 @@
 #!/usr/bin/env node
 // npx hmesh placeholder: each image becomes a line of HTML, or is written into the pages that show it.
-import { readFile, rename, writeFile } from 'node:fs/promises';
+import { chmod, readFile, realpath, rename, rm, stat, writeFile } from 'node:fs/promises';
 import { dirname, join, relative, resolve } from 'node:path';
 import { Hmesh, compileCompact } from './core.node.js';
 import { encode, toText } from './encoder.js';
 import { readImage } from './images.node.js';
+import { tagsOf } from './pages.node.js';
 
 const USAGE = `usage: hmesh placeholder [--bytes N] [--json] FILE...
 
@@ -31,26 +32,65 @@ function parse(words) {
   return options.files.length ? options : refuse(`no file was given\n${USAGE}`);
 }
 
-const escape = (text) => text.replace(/[&"<>]/g, (letter) => ({ '&': '&amp;', '"': '&quot;', '<': '&lt;', '>': '&gt;' })[letter]);
-const unescape = (text) =>
-  text.replace(/&(amp|quot|lt|gt|#39);/g, (_, name) => ({ amp: '&', quot: '"', lt: '<', gt: '>', '#39': "'" })[name]);
+// The address of a file, which may have any letters.
+const toAddress = (path) => path.split('/').map(encodeURIComponent).join('/');
 
-// The page with placeholders, and how many. Comments, scripts, and images that have one or are elsewhere stay as they are.
-async function fill(html, folder, make) {
-  const parts = html.split(/(<!--.*?-->|<script\b.*?<\/script\s*>|<img\b(?:"[^"]*"|'[^']*'|[^"'>])*>)/gis);
-  let count = 0;
-  for (let k = 1; k < parts.length; k += 2) {
-    if (!/^<img\b/i.test(parts[k])) continue;
-    const found = parts[k].slice(4).matchAll(/([^\s"'>/=]+)(?:\s*=\s*("[^"]*"|'[^']*'|[^\s"'>]+))?/g);
-    const attributes = new Map([...found].map(([, name, value = '']) => [name.toLowerCase(), unescape(value.replace(/^(["'])(.*)\1$/s, '$2'))]));
-    const src = attributes.get('src')?.replace(/[?#].*$/s, '');
-    if (!src || attributes.has('data-mesh') || /^([a-z][a-z\d+.-]*:|\/)/i.test(src) || !/\.(jpe?g|png|webp|avif|gif|tiff?)$/i.test(src)) continue;
-    const { width, height, mesh } = await make(join(folder, decodeURIComponent(src)));
-    const size = attributes.has('width') || attributes.has('height') ? '' : ` width="${width}" height="${height}"`;
-    parts[k] = parts[k].replace(/\s*\/?>$/, (end) => `${size} data-mesh="${mesh}"${end}`);
-    count++;
+const isElsewhere = (address) => /^([a-z][a-z\d+.-]*:|\/)/i.test(address);
+
+// The path of an image beside its page, or undefined.
+function ownImage(src = '') {
+  const path = src.replace(/[?#].*$/s, '');
+  if (isElsewhere(path) || !/\.(jpe?g|png|webp|avif|gif|tiff?)$/i.test(path)) return undefined;
+  try {
+    return decodeURIComponent(path);
+  } catch {
+    return path;  // as browsers take 100%.png
   }
-  return { html: parts.join(''), count };
+}
+
+// The page with placeholders, how many, and a sentence for each image that could not be read. Images that have one or are elsewhere stay as
+// they are.
+async function fill(page, folder, make) {
+  const parts = [], faults = [];
+  let done = 0, count = 0, base;
+  for (const { name, attributes, at } of tagsOf(page)) {
+    if (name === 'base') base ??= attributes.get('href')?.replace(/[^/]*$/, '');
+    const src = attributes.get('src'), path = name === 'img' && !attributes.has('data-mesh') && ownImage(src);
+    if (!path || isElsewhere(base ?? '')) continue;
+    try {
+      const { width, height, mesh } = await make(join(folder, base ?? '', path));
+      const size = attributes.has('width') || attributes.has('height') ? '' : ` width="${width}" height="${height}"`;
+      parts.push(page.slice(done, at), `${size} data-mesh="${mesh}"`);
+      done = at;
+      count++;
+    } catch (error) {
+      faults.push(`${src}: ${error.message}`);
+    }
+  }
+  return { page: parts.join('') + page.slice(done), count, faults };
+}
+
+// Fills a page in, which keeps its mode; of a symbolic link the page that it names.
+async function fillFile(file, make) {
+  const { page, count, faults } = await fill(await readFile(file, 'latin1'), dirname(file), make);
+  if (count > 0) {
+    const whole = await realpath(file), part = `${whole}.hmesh-part`;
+    try {
+      await writeFile(part, page, 'latin1');
+      await chmod(part, (await stat(whole)).mode & 0o7777);
+      await rename(part, whole);
+    } catch (error) {
+      await rm(part, { force: true });
+      throw error;
+    }
+  }
+  console.error(`${file}: ${count} placeholder${count === 1 ? '' : 's'}`);
+  for (const fault of faults) complain(`${file}: ${fault}`);
+}
+
+function complain(what) {
+  console.error(`hmesh: ${what}`);
+  process.exitCode = 1;
 }
 
 async function run([verb, ...words]) {
@@ -68,21 +108,14 @@ async function run([verb, ...words]) {
   };
   for (const file of files) {
     try {
-      if (/\.html?$/i.test(file)) {
-        const { html, count } = await fill(await readFile(file, 'utf8'), dirname(file), make);
-        if (count) {
-          await writeFile(`${file}.hmesh-part`, html);
-          await rename(`${file}.hmesh-part`, file);
-        }
-        console.error(`${file}: ${count} placeholder${count === 1 ? '' : 's'}`);
-      } else {
+      if (/\.html?$/i.test(file)) await fillFile(file, make);
+      else {
         const made = await make(file), src = relative('.', file).replaceAll('\\', '/');
         if (isJson) all[src] = made;
-        else console.log(`<img src="${escape(encodeURI(src))}" width="${made.width}" height="${made.height}" data-mesh="${made.mesh}">`);
+        else console.log(`<img src="${toAddress(src)}" width="${made.width}" height="${made.height}" data-mesh="${made.mesh}">`);
       }
     } catch (error) {
-      console.error(`hmesh: ${file}: ${error.message}`);
-      process.exitCode = 1;
+      complain(`${file}: ${error.message}`);
     }
   }
   if (isJson) console.log(JSON.stringify(all, null, 2));

@@ -4,6 +4,9 @@
  * to five times the time of `normal`; `best` takes minutes. Steps are counted, not seconds: the same meshes on any machine. */
 export type Effort = 'draft' | 'fast' | 'normal' | 'fine' | 'best';
 
+/** Bytes in an ArrayBuffer: Uint8Array<ArrayBuffer> of TypeScript 5.7 and later, Uint8Array of those before. */
+export type Bytes = ReturnType<Uint8Array['slice']>;
+
 /** The files that hmesh writes; `hmc` is its own compact one, which it reads too. */
 export type Format = 'ply' | 'glb' | 'svg' | 'html' | 'pdf' | 'obj' | 'hmc';
 
@@ -77,8 +80,8 @@ export interface Mesh {
   faces: number;
   /** dB: 10 log10(255^2 / MSE), the MSE over pixels and channels, of the mesh as a GPU draws it at the image's size. NaN of a file. */
   psnr: number;
-  /** Of a target in bytes: the .hmc file, which read() and every build of hmesh can read. */
-  file?: Uint8Array<ArrayBuffer>;
+  /** Of a target in bytes: the .hmc file, which every build of hmesh can read; read(file, { bare: true }) where it is bare. */
+  file?: Bytes;
   /** Whether the mesh is what was asked for: false of one on the way to it, of one that was stopped, and where no mesh reached the PSNR. */
   complete: boolean;
 }
@@ -115,7 +118,7 @@ export interface RenderOptions {
 
 /** RGBA, alpha straight: `new ImageData(picture.data, picture.width)` takes it. */
 export interface Picture {
-  data: Uint8ClampedArray<ArrayBuffer>;
+  data: ReturnType<Uint8ClampedArray['slice']>;
   width: number;
   height: number;
 }
@@ -145,7 +148,7 @@ export class Hmesh {
     onMesh?: (mesh: Mesh) => void;
   }): Mesh;
   /** The bytes of a file. */
-  write(mesh: MeshArrays, format: Format, options?: WriteOptions): Uint8Array<ArrayBuffer>;
+  write(mesh: MeshArrays, format: Format, options?: WriteOptions): Bytes;
   /** The mesh of an .hmc file; grey becomes RGB. */
   read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */

@@ -139,21 +139,24 @@ export class Hmesh {
     const { effort, seed, premultiplied, bare, weights, ...target } = checkOptions(options, image);
     const { data, width, height } = image, isOpaque = image.channels === 3 || isAllOpaque(data);
     const channels = isOpaque ? 3 : 4, [[kind, value]] = Object.entries(target);
-    return this.#run((wasm) => {
+    const before = this.#watch, watch = this.#watch = { onProgress, onMesh, shown: 0 };
+    const made = this.#run((wasm) => {
       const at = wasm.hmesh_allocate(width * height * channels);
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
       const weightsAt = weights ? this.#put(weights) : 0;
-      const watch = this.#watch = { onProgress, onMesh, shown: 0 };
       const given = [at, width, height, channels, premultiplied && !isOpaque], recipe = [value, EFFORTS.indexOf(effort), seed];
       const answer = this.#read(kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
         : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt));
+      this.#watch = before;  // of the call within whose onProgress or onMesh this one was made
       wasm.hmesh_release(at);
       if (weightsAt) wasm.hmesh_release(weightsAt);
-      if (watch.thrown) throw watch.thrown[0];
+      if (watch.thrown) return 0;
       if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
       const mesh = this.#mesh(answer, answer.code === 0);
       return kind === 'bytes' ? { ...mesh, file: this.#bytes(answer.bytes, answer.size).slice() } : mesh;
     });
+    if (watch.thrown) throw watch.thrown[0];  // whatever it is
+    return made;
   }
 
   write(mesh, format, options = {}) {
@@ -161,22 +164,19 @@ export class Hmesh {
     const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png', bare = false,
       lattice = 0, colorStep = 0 } = options ?? {};
     if (bare && format !== 'hmc') refuse(`bare is of hmc alone: ${format}`);
+    checkRange('256 times the lattice', 256 * lattice, 0, 2 ** 24, true);
+    checkRange('colorStep', colorStep, 0, 4095, true);
     number(SVG_KINDS, kind, 'kind of SVG');
     if (original != null && !isTyped(original, 'Uint8Array')) refuse('the original is no Uint8Array');
     return this.#run((wasm) => {
       this.#hold(mesh);
-      if (bare) {
-        const answer = this.#read(wasm.hmesh_write_bare(256 * lattice, colorStep));
-        if (answer.code) refuse(answer.message, CODES[answer.code]);
-        return this.#bytes(answer.bytes, answer.size).slice();
-      }
+      if (bare) return this.#take(wasm.hmesh_write_bare(256 * lattice, colorStep));
       const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}\0`)));
       const originalAt = original ? this.#put(original) : 0;
-      const answer = this.#read(wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0],
-        originalAt, original?.length ?? 0, texts[1]));
+      const answer = wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0], originalAt,
+        original?.length ?? 0, texts[1]);
       for (const at of [...texts, originalAt]) if (at) wasm.hmesh_release(at);
-      if (answer.code) refuse(answer.message, CODES[answer.code]);
-      return this.#bytes(answer.bytes, answer.size).slice();
+      return this.#take(answer);
     });
   }
 
@@ -191,13 +191,11 @@ export class Hmesh {
   }
 
   render(mesh, { width = mesh?.width, height = mesh?.height } = {}) {
-    checkPixels("the picture's width", width);
-    checkPixels("the picture's height", height);
     return this.#run((wasm) => {
       this.#hold(mesh);
-      const answer = this.#read(wasm.hmesh_render(width, height));
-      if (answer.code) refuse(answer.message, CODES[answer.code]);
-      return { data: new Uint8ClampedArray(this.#bytes(answer.bytes, answer.size).slice().buffer), width, height };
+      checkPixels("the picture's width", width);
+      checkPixels("the picture's height", height);
+      return { data: new Uint8ClampedArray(this.#take(wasm.hmesh_render(width, height)).buffer), width, height };
     });
   }
 
@@ -217,7 +215,7 @@ export class Hmesh {
         this.free();
         throw new HmeshError(`hmesh stopped: ${error.message}`, 'internal');
       }
-      if (error.code === 'out_of_memory') this.free();
+      if (error?.code === 'out_of_memory') this.free();
       throw error;
     }
   }
@@ -275,6 +273,13 @@ export class Hmesh {
     return answer;
   }
 
+  // The bytes of an answer, or what it refuses.
+  #take(at) {
+    const { code, message, bytes, size } = this.#read(at);
+    if (code) refuse(message, CODES[code]);
+    return this.#bytes(bytes, size).slice();
+  }
+
   #mesh({ width, height, channels, premultiplied, vertices, faces, positions, colors, indices, psnr }, complete) {
     const { buffer } = this.#memory;
     return {
@@ -295,7 +300,7 @@ export class Hmesh {
     checkPixels("the mesh's height", height);
     checkChannels('the mesh', channels);
     const vertices = positions.length / 2, faces = indices.length / 3;
-    if (colors.length !== channels * vertices || !Number.isInteger(faces))
+    if (colors.length !== channels * vertices || vertices % 1 || faces % 1)
       refuse(`the mesh has ${positions.length} coordinates, ${colors.length} numbers of colours of ${channels} channels and `
         + `${indices.length} indices, which do not fit together`);
     const answer = this.#read(this.#wasm.hmesh_hold(width, height, channels, premultiplied && channels === 4, vertices, faces));

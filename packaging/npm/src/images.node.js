@@ -25,6 +25,7 @@ async function readBySharp(bytes, kind) {
 // {data, width, height} of RGBA with sides of SIDE px at most, and `full`, the sides of the file's picture.
 export async function readImage(file) {
   const bytes = await readFile(file), begins = (text, at = 0) => bytes.toString('latin1', at, at + text.length) === text;
+  if (bytes.length === 0) throw new Error('the file is empty');
   const picture = begins('\x89PNG\r\n\x1a\n') ? readPng(bytes)
     : begins('\xff\xd8') ? readJpeg(bytes, SIDE)
       : await readBySharp(bytes, begins('WEBP', 8) ? 'a WebP file' : begins('ftypavif', 4) ? 'an AVIF file' : begins('GIF8') ? 'a GIF file'

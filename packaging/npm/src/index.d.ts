@@ -1,8 +1,8 @@
 // hmesh: turns an image into a triangle mesh with one colour a vertex, in a worker.
-import type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
+import type { Bytes, Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
 
 export { HmeshError } from './core.js';
-export type { Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
+export type { Bytes, Effort, Format, Mesh, MeshArrays, MeshOptions, Picture, Pixels, Progress, RenderOptions, Source, WriteOptions } from './core.js';
 
 /** A mesh, and the effort asked for. */
 export type EffortMesh = Mesh & { effort: Effort };
@@ -14,7 +14,7 @@ export interface WorkOptions extends MeshOptions {
   onProgress?: (progress: Progress & { effort: Effort }) => void;
 }
 
-/** Makes the mesh of an image, in a worker of its own. */
+/** Makes the mesh of an image, in a worker of its own, whose memory is given back when garbage is collected: for many images keep a Mesher. */
 export function meshImage(image: Pixels, options?: WorkOptions): Promise<EffortMesh>;
 
 /**
@@ -31,12 +31,12 @@ export class Mesher {
   /** Gives the mesh of the image as it grows, some 40 times at most: soon a first one, with up to three times the vertices asked for; last
    * the one that meshImage() makes, which alone is `complete`. Leaving the loop stops the work. */
   refine(options?: WorkOptions): AsyncGenerator<EffortMesh, void, void>;
-  /** The bytes of a file of the last mesh, or of another one. */
-  write(format: Format, options?: WriteOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Uint8Array<ArrayBuffer>>;
+  /** The bytes of a file of the last mesh, that of the call before this one, or of another one. */
+  write(format: Format, options?: WriteOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Bytes>;
   /** Draws the last mesh, or another one, pixel for pixel as a GPU does, at any size. */
   render(options?: RenderOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Picture>;
   /** Reads an .hmc file, whose mesh becomes the last one. */
-  read(file: Uint8Array, options?: { signal?: AbortSignal }): Promise<Mesh>;
+  read(file: Uint8Array, options?: { bare?: boolean; signal?: AbortSignal }): Promise<Mesh>;
   /** Ends the worker; calls that are not done are rejected. The next call starts another. */
   close(): void;
 }
@@ -48,8 +48,8 @@ export interface Setup {
   compactWasm?: Source | Promise<Source>;
   /** Starts a worker that runs `hmesh/worker`: for bundlers that leave `new URL('./worker.js', import.meta.url)` as it is. */
   worker?: () => unknown;
-  /** How many threads mesh an image above 65,536 pixels, 1 to 64: by default as many as the processor runs at once, 8 at most. Only in node
-   * and in pages that are cross-origin isolated; the bytes are the same. */
+  /** How many threads mesh an image above 65,536 pixels, 1 to 64: by default as many as the processor runs at once, 8 at most; one, and one
+   * more for each 8 MiB of maximumMemory, at most. Only in node and in pages that are cross-origin isolated; the bytes are the same. */
   threads?: number;
   /** MiB that a Mesher may take, 8 to 2048, the default. */
   maximumMemory?: number;

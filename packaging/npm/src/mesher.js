@@ -39,17 +39,14 @@ class WorkerMesher {
 
   refine(options) { return this.#meshes(options, true); }
 
-  write(format, { mesh = this.#mesh, signal, ...options } = {}) { return last(this.#answers({ write: format, mesh, options }, signal)); }
+  write(format, { mesh, signal, ...options } = {}) { return last(this.#answers({ write: format, mesh, options }, signal)); }
 
-  render({ mesh = this.#mesh, signal, ...options } = {}) { return last(this.#answers({ render: true, mesh, options }, signal)); }
+  render({ mesh, signal, ...options } = {}) { return last(this.#answers({ render: true, mesh, options }, signal)); }
 
-  async read(bytes, { signal } = {}) {
-    this.#mesh = await last(this.#answers({ read: bytes }, signal));
-    return this.#mesh;
-  }
+  read(bytes, { signal, ...options } = {}) { return last(this.#answers({ read: bytes, options }, signal)); }
 
   close() {
-    for (const job of this.#jobs.splice(0)) job.end(new HmeshError('the Mesher was closed', 'cancelled'));
+    for (const job of this.#jobs.splice(0)) job.end({ error: new HmeshError('the Mesher was closed', 'cancelled') });
     this.#end();
   }
 
@@ -68,20 +65,20 @@ class WorkerMesher {
       image,
       hear: ({ progress, mesh, result }) => {
         if (progress) return onProgress?.(progress);
-        this.#mesh = mesh ?? this.#mesh;
+        this.#mesh = mesh ?? ('read' in message ? result : this.#mesh);
         answers.push(mesh ?? result);
         wake();
       },
-      end: (error) => {
+      end: (failed) => {
         isDone = true;
-        failure = error;
+        failure = failed;
         wake();
       },
     }, signal);
     try {
       while (true) {
         while (answers.length > 0 && !failure) yield answers.shift();
-        if (failure) throw failure;
+        if (failure) throw failure.error;
         if (isDone) return;
         await new Promise((resolve) => { wake = resolve; });
       }
@@ -93,7 +90,7 @@ class WorkerMesher {
   // Puts a job behind the others. Returns what takes it out again.
   #begin(job, signal) {
     signal?.throwIfAborted();
-    const abort = () => this.#drop(job, signal.reason);
+    const abort = () => this.#drop(job, { error: signal.reason });
     signal?.addEventListener('abort', abort, { once: true });
     job.flag = canShare() ? new Int32Array(new SharedArrayBuffer(4)) : undefined;
     this.#jobs.push(job);
@@ -104,7 +101,8 @@ class WorkerMesher {
     };
   }
 
-  #drop(job, error) {
+  // failure: {error}, whatever that is; or none.
+  #drop(job, failure) {
     const at = this.#jobs.indexOf(job), { end } = job;
     if (at < 0) return;
     job.hear = job.end = () => {};
@@ -114,25 +112,26 @@ class WorkerMesher {
       this.#jobs.splice(at, 1);
       if (at === 0) this.#next();
     }
-    end(error);
+    end(failure);
   }
 
   async #next() {
     const [job] = this.#jobs;
     if (!job) return this.#worker?.hold(false);
+    const { message, image } = job;
     try {
-      const module = await this.#platform.module(job.image && job.message.options.bytes !== undefined);
+      const module = await this.#platform.module(image && message.options.bytes !== undefined);
       if (this.#jobs[0] !== job) return;
       if (this.#crew?.module !== module) this.#end();  // it has another one
       this.#worker ??= this.#start(module);
       this.#worker.hold(true);
-      if (job.image?.width * job.image?.height > SMALL) this.#hire();
-      const image = job.image === this.#sent ? undefined : job.image;
-      this.#worker.post({ ...job.message, image, flag: job.flag });
+      if (image?.width * image?.height > SMALL) this.#hire();
+      const given = 'mesh' in message ? { ...message, mesh: message.mesh ?? this.#mesh } : message;
+      this.#worker.post({ ...given, image: image === this.#sent ? undefined : image, flag: job.flag });
       job.isPosted = true;
-      this.#sent = job.image ?? this.#sent;
+      this.#sent = image ?? this.#sent;
     } catch (error) {
-      this.#finish(job, error);
+      this.#finish(job, { error });
     }
   }
 
@@ -142,11 +141,11 @@ class WorkerMesher {
     const crew = this.#crew = { module, memory: hasThreads(module) ? sharedMemory(this.#platform.maximumMemory()) : undefined, helpers: [], stacks: [] };
     const take = ifAtWork((job, { done, error, ...answer }) => {
       if (error && crew.memory && ['out_of_memory', 'internal'].includes(error.code)) this.#end();
-      if (done) return this.#finish(job, error && (error.code ? new HmeshError(error.message, error.code) : new Error(error.message)));
+      if (done) return this.#finish(job, error && { error: error.code ? new HmeshError(error.message, error.code) : new Error(error.message) });
       try {
         job.hear(answer);
       } catch (thrown) {
-        this.#drop(job, thrown);  // by onProgress
+        this.#drop(job, { error: thrown });  // by onProgress
       }
     });
     worker.listen((answer) => {
@@ -155,7 +154,7 @@ class WorkerMesher {
       if (crew === this.#crew && crew.isWanted) this.#hire();
     }, ifAtWork((job, error) => {
       this.#end();
-      this.#finish(job, new HmeshError(`the worker failed: ${error?.message ?? 'it could not be loaded'}`, 'internal'));
+      this.#finish(job, { error: new HmeshError(`the worker failed: ${error?.message ?? 'it could not be loaded'}`, 'internal') });
     }));
     worker.post({ module, maximumMemory: this.#platform.maximumMemory(), memory: crew.memory, helpers: crew.memory ? this.#platform.threads() - 1 : 0 });
     return worker;
@@ -174,10 +173,10 @@ class WorkerMesher {
     }
   }
 
-  #finish(job, error) {
+  #finish(job, failure) {
     if (this.#jobs[0] !== job) return;
     this.#jobs.shift();
-    job.end(error);
+    job.end(failure);
     this.#next();
   }
 
@@ -196,7 +195,7 @@ function kept(compile) {
   const get = () => {
     const begun = module ??= compile(source);
     return begun.catch((error) => {
-      if (module === begun) module = source = undefined;
+      if (module === begun) module = undefined;
       throw error;
     });
   };
@@ -220,7 +219,7 @@ export function bindTo({ compile, compileCompact, spawn, threads: mostThreads })
   const platform = {
     spawn: () => spawn(start),
     maximumMemory: () => most,
-    threads: () => Math.floor(count ?? Math.min(8, mostThreads())),
+    threads: () => Math.floor(Math.min(count ?? Math.min(8, mostThreads()), 1 + most / 8)),  // helpers' stacks take an eighth of the memory
     module: (isForBytes) => (isForBytes ? compact : plain)(),
   };
   class Mesher extends WorkerMesher {

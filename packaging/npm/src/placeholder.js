@@ -24,9 +24,8 @@ function read(data, size) {
 
 export function decode(data, { width, height } = {}) {
   const mesh = read(data, [width, height]);
-  if (!mesh || !(min(width, height) > 0 && max(width, height) < Infinity)) return mesh;
-  const scales = [width / mesh.width, height / mesh.height];
-  return { ...mesh, positions: mesh.positions.map((at, k) => at * scales[k % 2]), width, height };
+  return mesh && min(width, height) > 0 && max(width, height) < Infinity
+    ? { ...mesh, positions: mesh.positions.map((at, k) => at * (k % 2 ? height / mesh.height : width / mesh.width)), width, height } : mesh;
 }
 
 // Light of a stored value, both as shares of 1, and back.
@@ -41,16 +40,14 @@ function shade({ positions, colors, indices, channels, premultiplied, linear, wi
     return linear && k < 3 ? toLight(value) : value;
   };
   for (let f = 0; f < indices.length; f += 3) {
-    const [a, b, c] = [0, 1, 2].map((k) => {
-      const v = indices[f + k];
-      return [positions[2 * v] * width / w - 0.5, positions[2 * v + 1] * height / h - 0.5, ...[0, 1, 2, 3].map((c) => share(v, c))];
-    });
+    const [a, b, c] = [...indices.slice(f, f + 3)].map((v) =>
+      [positions[2 * v] * width / w - 0.5, positions[2 * v + 1] * height / h - 0.5, ...[0, 1, 2, 3].map((c) => share(v, c))]);
     const side = (p, q, x, y) => (q[0] - p[0]) * (y - p[1]) - (x - p[0]) * (q[1] - p[1]), area = side(a, b, c[0], c[1]);
     const from = (k) => max(0, ceil(min(a[k], b[k], c[k]))), to = (k, last) => min(last, max(a[k], b[k], c[k]));
     for (let y = from(1); y <= to(1, height - 1); y++)
       for (let x = from(0); x <= to(0, width - 1); x++) {
         const u = side(b, c, x, y) / area, v = side(c, a, x, y) / area, t = 1 - u - v;
-        if (u < -1e-6 || v < -1e-6 || t < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
+        if (min(u, v, t) < -1e-6) continue;  // of a side, a pixel of both faces has one colour: any may be the last
         const mixed = (k) => u * a[2 + k] + v * b[2 + k] + t * c[2 + k], at = 4 * (y * width + x), alpha = pixels[at + 3] = mixed(3);
         for (let k = 0; k < 3; k++) pixels[at + k] = (linear ? fromLight(mixed(k)) : mixed(k)) * (premultiplied ? 1 : alpha);
       }
@@ -85,18 +82,18 @@ function toPng({ data, width, height }) {
     rows.push(x);
   });
   let a = 1, b = 0;
-  for (const byte of rows) b = (b + (a = (a + byte) % 65521)) % 65521;
+  for (const byte of rows) b += a += byte;  // 37,000 bytes at most
   const size = rows.length, png = [137, 80, 78, 71, 13, 10, 26, 10];
   const chunk = (...bytes) => {
     let crc = -1;
     for (const byte of bytes) {
       crc ^= byte;
-      for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+      for (let k = 0; k < 8; k++) crc = crc >>> 1 ^ (crc & 1) * 0xedb88320;
     }
     png.push(...word(bytes.length - 4), ...bytes, ...word(~crc));
   };
   chunk(73, 72, 68, 82, ...word(width), ...word(height), 8, 6, 0, 0, 0);
-  chunk(73, 68, 65, 84, 120, 1, 1, ...word(~size << 16 | size).reverse(), ...rows, ...word(b * 65536 + a));
+  chunk(73, 68, 65, 84, 120, 1, 1, ...word(~size << 16 | size).reverse(), ...rows, ...word(b % 65521 * 65536 + a % 65521));
   chunk(73, 69, 78, 68);
   return png;
 }
@@ -108,11 +105,12 @@ export function toDataURL(data, options) {
 
 export function paint(image, options) {
   if (image.complete && image.naturalWidth) return true;
-  const url = toDataURL(image.dataset.mesh, options), { style } = image;
+  const url = toDataURL(image.dataset.mesh, options);
   if (!url) return false;
-  const fit = getComputedStyle(image).objectFit;
-  style.background = `url(${url}) 50% / ${/cover|contain/.test(fit) ? fit : '100% 100%'} no-repeat`;
-  image.addEventListener('load', () => { style.background = ''; }, { once: true });
+  const { objectFit } = getComputedStyle(image), size = { fill: '100% 100%', cover: 'cover' }[objectFit] ?? 'contain';
+  // An animation that stays at its end hides the image's own background, and changes none of its styles.
+  const shown = image.animate({ background: `url(${url}) 50% / ${size} no-repeat` }, { fill: 'both' });
+  image.addEventListener('load', () => shown.cancel());
   return true;
 }
 

@@ -6,16 +6,16 @@ export function serve(post) {
   let hmesh, image;
   const buffers = (mesh) => [mesh.positions.buffer, mesh.colors.buffer, mesh.indices.buffer];
   const answer = (message) => {
-    if (message.write) {
+    if ('write' in message) {
       const result = hmesh.write(message.mesh, message.write, message.options);
       return post({ result }, [result.buffer]);
     }
-    if (message.render) {
+    if ('render' in message) {
       const result = hmesh.render(message.mesh, message.options);
       return post({ result }, [result.data.buffer]);
     }
-    if (message.read) {
-      const result = hmesh.read(message.read);
+    if ('read' in message) {
+      const result = hmesh.read(message.read, message.options);
       return post({ result }, buffers(result));
     }
     const { options, refine, flag } = message, { effort } = options;

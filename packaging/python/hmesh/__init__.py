@@ -197,7 +197,8 @@ class Mesh:
         linear: interpolates linear light between sRGB colours rather than the stored values
         dtype: float32 for stored values as they are; uint8 or uint16 for them rounded and held to the type's range
         """
-        picture = _core.render(self._core(), width, height, linear, _threads(threads))
+        sides = [None if side is None else _whole(name, side, 1, 65536) for name, side in (("width", width), ("height", height))]
+        picture = _core.render(self._core(), *sides, bool(linear), _threads(threads))
         dtype = np.dtype(dtype)
         if dtype == np.float32:
             return picture
@@ -256,8 +257,11 @@ class Mesh:
 
         vertices = np.zeros((len(self.positions), 3))
         vertices[:, 0] = self.positions[:, 0]
-        vertices[:, 1] = self.height - self.positions[:, 1]
-        colors = np.clip(np.floor(self.colors * (255 / self.peak) + 0.5), 0, 255).astype(np.uint8)
+        vertices[:, 1] = self.height - (self.samples == "points") - self.positions[:, 1]
+        shares = self.colors.astype(np.float64) / self.peak
+        if self.premultiplied and self.channels in (2, 4):
+            np.divide(shares[:, :-1], shares[:, -1:], out=shares[:, :-1], where=shares[:, -1:] > 0)
+        colors = np.clip(np.floor(shares * 255 + 0.5), 0, 255).astype(np.uint8)
         if self.channels < 3:
             colors = np.concatenate([np.repeat(colors[:, :1], 3, axis=1), colors[:, 1:]], axis=1)
         return trimesh.Trimesh(vertices, self.faces[:, ::-1], vertex_colors=colors[:, :4], process=False, **options)
@@ -281,9 +285,14 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 
 
 def _write_whole(path: str, data: bytes) -> None:
-    """Writes a file under another name, and gives it its own when it is whole."""
-    directory, name = os.path.split(path)
-    handle, part = tempfile.mkstemp(prefix="." + name + ".", suffix=".part", dir=directory or ".")
+    """Writes a file under another name, and gives it its own when it is whole. A symbolic link stays one, and what is no file,
+    such as a pipe, is written to."""
+    path = os.path.realpath(path)
+    if os.path.exists(path) and not os.path.isfile(path):
+        with open(path, "wb") as file:
+            file.write(data)
+        return
+    handle, part = tempfile.mkstemp(prefix=".hmesh-", suffix=".part", dir=os.path.dirname(path))
     try:
         with os.fdopen(handle, "wb") as file:
             file.write(data)
@@ -421,10 +430,10 @@ def mesh_image(
     options = _plain_options()
     if given:
         options["target"], options["value"] = given[0][0], float(given[0][1])
-        if given[0][0] == "vertices" and options["value"] != math.floor(options["value"]):
+        if given[0][0] == "vertices" and not options["value"].is_integer():
             raise ValueError(f"vertices must be a whole number, and is {vertices!r}")
     options.update(
-        max_vertices=max_vertices,
+        max_vertices=None if max_vertices is None else _whole("max_vertices", max_vertices, -(2**63), 2**63 - 1),
         good_enough=good_enough,
         effort=_number_of("effort", _EFFORTS, effort),
         seed=_whole("seed", seed, 0, 2**64 - 1),
@@ -530,7 +539,9 @@ def mesh_terrain(
 
 
 def _whole(name: str, value: Any, low: int, high: int) -> int:
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or not low <= value <= high:
+    """A whole number within bounds; a float may be one, as 1e6 is."""
+    is_whole = isinstance(value, (int, np.integer)) or (isinstance(value, (float, np.floating)) and float(value).is_integer())
+    if isinstance(value, bool) or not is_whole or not low <= value <= high:
         raise ValueError(f"{name} must be a whole number from {low} to {high}, and is {value!r}")
     return int(value)
 
@@ -545,15 +556,23 @@ def read(source: Union[str, os.PathLike[str], BinaryIO, bytes], *, max_vertices:
         data = bytes(source)
     else:
         data = source.read()
-    return Mesh._of(_core.read_compact(data, int(max_vertices), int(max_pixels)))
+    most = [_whole(name, value, -(2**63), 2**63 - 1) for name, value in (("max_vertices", max_vertices), ("max_pixels", max_pixels))]
+    return Mesh._of(_core.read_compact(data, *most))
 
 
 def psnr(mesh: Mesh, image: Any) -> float:
     """dB: 10 log10(peak^2 / MSE) of the mesh drawn at its own size, neither rounded nor clamped, against the image's stored
-    values, the MSE being the mean over pixels and channels; infinity for no error."""
+    values, the MSE being the mean over pixels and channels; infinity for no error. Where the mesh is premultiplied, so is the
+    image first."""
     array = _image(image, 16)
     if array.shape != (mesh.height, mesh.width, mesh.channels):
         raise ValueError(f"the image is of shape {array.shape}, and the mesh is of one of "
                          f"{(mesh.height, mesh.width, mesh.channels)}")
-    error = float(np.mean((mesh.render().astype(np.float64) - array) ** 2))
+    wanted = array.astype(np.float64)
+    if mesh.premultiplied and mesh.channels in (2, 4):
+        wanted[:, :, -1] = np.clip(wanted[:, :, -1], 0, mesh.peak)
+        wanted[:, :, :-1] *= wanted[:, :, -1:] / mesh.peak
+        if array.dtype.kind == "u":
+            wanted = np.floor(wanted + 0.5)
+    error = float(np.mean((mesh.render().astype(np.float64) - wanted) ** 2))
     return math.inf if error == 0 else 10 * math.log10(mesh.peak**2 / error)

@@ -36,6 +36,36 @@ namespace {
 // A status that is not ok as the exception that a caller expects.
 [[noreturn]] void raise(const hmesh::Status& status) { throw py::value_error(hmesh::message(status).c_str()); }
 
+// --- what Python's numbers and words become ---
+
+// What is taken as a Value, for a sentence.
+template <class Value>
+[[nodiscard]] constexpr const char* kind_of() {
+    if (std::is_same_v<Value, bool>) return "True or False";
+    if (std::is_same_v<Value, std::string>) return "text";
+    if (std::is_floating_point_v<Value>) return "a number";
+    return sizeof(Value) == 4 ? "a whole number of 32 bits" : "a whole number of 64 bits";
+}
+template <class Value>
+[[nodiscard]] Value cast(const char* name, const py::handle& from) {
+    try {
+        if (!from.is_none()) return from.cast<Value>();
+    } catch (const py::cast_error&) {  // said below
+    }
+    throw py::type_error(std::string(name) + " must be " + kind_of<Value>() + ", and is " + py::repr(from).cast<std::string>());
+}
+// What a dict has by this name; from get_optional() None is no value.
+template <class Value>
+[[nodiscard]] Value get(const py::dict& from, const char* name) {
+    return cast<Value>(name, from[name]);
+}
+template <class Value>
+[[nodiscard]] std::optional<Value> get_optional(const py::dict& from, const char* name) {
+    const py::object value = from[name];
+    if (value.is_none()) return {};
+    return cast<Value>(name, value);
+}
+
 // --- arrays ---
 
 // An array over a vector's numbers, which it owns from now on.
@@ -88,12 +118,12 @@ struct HeldMesh {
         view.vertex_count = static_cast<std::size_t>(positions.shape(0));
         view.face_count = static_cast<std::size_t>(faces.shape(0));
         view.channels = static_cast<int>(colors.shape(1));
-        view.width = from["width"].cast<int>();
-        view.height = from["height"].cast<int>();
-        view.peak = from["peak"].cast<double>();
-        view.premultiplied = from["premultiplied"].cast<bool>();
-        view.periodic = static_cast<hmesh::Periodic>(from["periodic"].cast<int>());
-        view.samples = static_cast<hmesh::Samples>(from["samples"].cast<int>());
+        view.width = get<int>(from, "width");
+        view.height = get<int>(from, "height");
+        view.peak = get<double>(from, "peak");
+        view.premultiplied = get<bool>(from, "premultiplied");
+        view.periodic = static_cast<hmesh::Periodic>(get<int>(from, "periodic"));
+        view.samples = static_cast<hmesh::Samples>(get<int>(from, "samples"));
     }
     // A copy that the library may keep.
     [[nodiscard]] hmesh::Mesh copy() const {
@@ -172,7 +202,9 @@ class Listener {
         } const end{offered};
         const py::object result = callback_(info.stage, info.fraction, info.vertices, info.energy, info.total,
                                             info.mesh_so_far ? py::object(mesh) : py::none());
-        return result.is_none() || PyObject_IsTrue(result.ptr()) == 1;
+        const int is_true = result.is_none() ? 1 : PyObject_IsTrue(result.ptr());
+        if (is_true < 0) throw py::error_already_set();
+        return is_true == 1;
     }
     py::object callback_;
     std::thread::id thread_;
@@ -209,17 +241,6 @@ class Listener {
 }
 
 // --- options ---
-
-template <class Value>
-[[nodiscard]] Value get(const py::dict& from, const char* name) {
-    return from[name].cast<Value>();
-}
-template <class Value>
-[[nodiscard]] std::optional<Value> get_optional(const py::dict& from, const char* name) {
-    const py::object value = from[name];
-    if (value.is_none()) return {};
-    return value.cast<Value>();
-}
 
 // Options and what they refer to.
 struct HeldOptions {
@@ -414,6 +435,7 @@ py::bytes write(const py::dict& from, const std::string& format, const py::dict&
         status = run([&] { return hmesh::write_svg(view, sink, options); });
     } else if (format == "html") {
         const auto title = get<std::string>(with, "title");
+        if (title.find('\0') != std::string::npos) throw py::value_error("the title must not have a zero, at which it would end");
         hmesh::HtmlOptions options;
         options.title = title.c_str();
         status = run([&] { return hmesh::write_html(view, sink, options); });

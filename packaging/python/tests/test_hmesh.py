@@ -10,6 +10,7 @@ import struct
 import subprocess
 import sys
 import threading
+import types
 import weakref
 
 import hmesh
@@ -362,6 +363,31 @@ def test_files_are_written_whole_or_not_at_all(tmp_path):
     assert len(list(tmp_path.iterdir())) == 8
 
 
+@pytest.mark.skipif(os.name == "nt", reason="symbolic links and pipes")
+def test_links_stay_links_and_pipes_are_written_to(tmp_path):
+    mesh = hmesh.mesh_image(picture(), vertices=100, effort="draft")
+    wanted = mesh.tobytes("ply")
+    (tmp_path / "real.ply").write_bytes(b"old")
+    (tmp_path / "real.ply").chmod(0o640)
+    (tmp_path / "link.ply").symlink_to("real.ply")
+    (tmp_path / "new.ply").symlink_to("later.ply")
+    for name, file in (("link", "real"), ("new", "later")):
+        mesh.write(tmp_path / f"{name}.ply")
+        assert (tmp_path / f"{name}.ply").is_symlink() and (tmp_path / f"{file}.ply").read_bytes() == wanted
+    assert (tmp_path / "real.ply").stat().st_mode & 0o777 == 0o640
+    pipe = tmp_path / "pipe.ply"
+    os.mkfifo(pipe)
+    read = []
+    reader = threading.Thread(target=lambda: read.append(pipe.read_bytes()), daemon=True)
+    reader.start()
+    mesh.write(pipe)
+    reader.join(20)
+    assert read == [wanted] and pipe.is_fifo()
+    mesh.write(tmp_path / f"{'n' * 251}.ply")  # as long as names may be
+    mesh.write(os.devnull, "ply")
+    assert not os.path.isfile(os.devnull)
+
+
 def test_compact_files_come_back():
     for channels in (1, 3):
         mesh = hmesh.mesh_image(picture(channels=channels), vertices=150)
@@ -438,6 +464,55 @@ def test_pictures_of_other_sizes_and_types():
     assert eight.dtype == np.uint8 and np.abs(eight * 257.0 - sixteen).max() <= 129
     with pytest.raises(TypeError, match="float32, uint8 or uint16"):
         mesh.render(dtype=np.int32)
+
+
+def test_psnr_of_premultiplied_meshes_is_of_the_premultiplied_image():
+    image = picture(channels=4)
+    mesh = hmesh.mesh_image(image, vertices=200, premultiplied=True)
+    assert hmesh.psnr(mesh, image) == pytest.approx(mesh.report.psnr, abs=1e-3)
+
+
+def test_options_of_a_wrong_type_have_a_sentence():
+    image = picture()
+    mesh = hmesh.mesh_image(image, vertices=100, effort="draft")
+    assert hmesh.mesh_image(image, psnr=20, max_vertices=1e3, effort="draft").report.message == ""  # whole numbers, as floats are
+    for sentence, call in (
+        ("max_vertices must be a whole number", lambda: hmesh.mesh_image(image, psnr=20, max_vertices=10.5)),
+        ("good_enough must be a number, and is 'a'", lambda: hmesh.mesh_image(image, vertices=9, good_enough="a")),
+        ("border_tolerance must be a number, and is 'a'", lambda: hmesh.mesh_image(image, border_tolerance="a")),
+        ("vertices must be a whole number, and is inf", lambda: hmesh.mesh_image(image, vertices=math.inf)),
+        ("width must be a whole number of 32 bits, and is 1099511627776",
+         lambda: hmesh.Mesh(mesh.positions, mesh.colors, mesh.faces, width=2**40, height=80).render()),
+        ("width must be a whole number from 1 to 65536, and is 2.5", lambda: mesh.render(2.5, 3)),
+        ("color_bits must be 8 or 16|color_bits must be a whole number", lambda: mesh.tobytes("glb", color_bits="8")),
+        ("longer_side must be a number, and is None", lambda: mesh.tobytes("glb", longer_side=None)),
+        ("ascii must be True or False, and is None", lambda: mesh.tobytes("ply", ascii=None)),
+        ("title must be text, and is None", lambda: mesh.tobytes("html", title=None)),
+        ("title must not have a zero", lambda: mesh.tobytes("html", title="a\0b")),
+        ("max_vertices must be a whole number", lambda: hmesh.read(mesh.tobytes("hmc"), max_vertices=2**70)),
+    ):
+        with pytest.raises((TypeError, ValueError), match=sentence):
+            call()
+    with pytest.raises(ValueError, match="truth value"):
+        hmesh.mesh_image(image, progress=lambda now: np.array([1, 2]))
+
+
+class Trimesh:
+    """Stands in for trimesh.Trimesh."""
+
+    def __init__(self, vertices, faces, vertex_colors, process):
+        self.vertices, self.faces, self.vertex_colors = vertices, faces, vertex_colors
+
+
+def test_to_trimesh_agrees_with_the_files(monkeypatch):
+    monkeypatch.setitem(sys.modules, "trimesh", types.SimpleNamespace(Trimesh=Trimesh))
+    alpha = np.dstack([picture(), np.full((80, 120), 128, np.uint8)])
+    for image, options in ((picture(), {}), (picture(), {"samples": "points"}), (alpha, {"premultiplied": True})):
+        mesh = hmesh.mesh_image(image, vertices=60, **options)
+        other = mesh.to_trimesh()
+        lines = mesh.tobytes("ply", ascii=True).decode().split("end_header\n")[1].splitlines()[:60]
+        rows = np.array([[float(word) for word in line.split()] for line in lines])
+        assert np.allclose(other.vertices, rows[:, :3]) and np.array_equal(other.vertex_colors, rows[:, 3:])
 
 
 def test_to_trimesh():

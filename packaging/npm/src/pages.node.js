@@ -1,0 +1,40 @@
+// The <img> of an HTML page, for the command that fills them in. A page is taken as latin1, one letter a byte, so that what is not touched
+// stays as it is in any encoding in which ASCII is ASCII.
+
+// Their content is text, or is seen only where scripts do not run: no tags are looked for in it.
+const TEXTS = ['script', 'style', 'textarea', 'title', 'xmp', 'iframe', 'noembed', 'noframes', 'noscript'];
+
+const unescape = (text) =>
+  text.replace(/&(amp|quot|lt|gt|#39);/g, (_, name) => ({ amp: '&', quot: '"', lt: '<', gt: '>', '#39': "'" })[name]);
+
+// What letters of one byte each stand for: UTF-8, or where they are not, themselves.
+function decode(letters) {
+  try {
+    return new TextDecoder('utf-8', { fatal: true }).decode(Buffer.from(letters, 'latin1'));
+  } catch {
+    return letters;
+  }
+}
+
+// The tags that begin something: their names, their attributes (the first of a name counts), and where another attribute can be put.
+export function* tagsOf(page) {
+  const tag = /<!--[^]*?(?:-->|$)|<([a-z][^\s/>]*)/gi, attribute = /[\s/]*(?:(>)|([^\s/>][^\s/>=]*)(?:\s*=\s*("[^"]*"|'[^']*'|[^\s>"'][^\s>]*))?)/y;
+  for (let begun; (begun = tag.exec(page));) {
+    if (!begun[1]) continue;
+    const name = begun[1].toLowerCase(), attributes = new Map();
+    let at = attribute.lastIndex = tag.lastIndex, found;
+    while ((found = attribute.exec(page)) && !found[1]) {
+      const [, , key, value = ''] = found, low = key.toLowerCase();
+      if (!attributes.has(low)) attributes.set(low, decode(unescape(value.replace(/^(["'])([^]*)\1$/, '$2'))));
+      at = attribute.lastIndex;
+    }
+    if (!found) return;  // the page ends within the tag
+    tag.lastIndex = attribute.lastIndex;
+    yield { name, attributes, at };
+    if (!TEXTS.includes(name)) continue;
+    const end = new RegExp(`</${name}[\\s/>]`, 'gi');
+    end.lastIndex = tag.lastIndex;
+    if (!end.exec(page)) return;
+    tag.lastIndex = end.lastIndex;
+  }
+}
