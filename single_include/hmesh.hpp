@@ -5994,6 +5994,11 @@ namespace kit {
 inline constexpr int max_channels = 16;
 /// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
+/// Whether colours of so many channels can be multiplied by alpha; else invalid_argument.
+[[nodiscard]] HMESH_COLD inline Status check_premultiplied(int channels) noexcept {
+    if (has_alpha(channels)) return {};
+    return {Errc::invalid_argument, "an image is premultiplied by alpha, which those of 2 or 4 channels have", channels, 4};
+}
 /// The longest side of an image, in px: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
 /// The largest number of pixels of an image: the handles of a mesh with one vertex a pixel then fit 32 bits.
@@ -6802,8 +6807,8 @@ struct Options {
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
-    if (options.premultiplied && !kit::has_alpha(channels))
-        return {Errc::invalid_argument, "an image is premultiplied by alpha, which those of 2 or 4 channels have", channels, 4};
+    if (options.premultiplied)
+        if (const Status status = kit::check_premultiplied(channels); !status) return status;
     if (options.periodic > Periodic::xy)
         return {Errc::invalid_argument, "the axes of periodic are none of those known", static_cast<int>(options.periodic), 3};
     if (options.straight_border && options.periodic == Periodic::none)

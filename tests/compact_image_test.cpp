@@ -202,6 +202,15 @@ TEST_CASE("images of all sizes and kinds of samples fit") {
     }
 }
 
+TEST_CASE("an image without alpha cannot be premultiplied") {
+    CompactImageOptions options = bytes(300);
+    options.premultiplied = true;
+    const auto grey = hmesh_test::scene<std::uint8_t, 1>(20, 20, 1);
+    const auto color = hmesh_test::scene<float, 3>(20, 20, 1);
+    for (const CompactImage& out : {compact_image(grey.view(), options, quick()), compact_image(color.view(), options, quick())})
+        CHECK((out.status.code == Errc::invalid_argument && out.bytes.empty()));
+}
+
 TEST_CASE("an image of one colour takes no more bytes than that") {
     const std::vector<std::uint8_t> pixels(std::size_t{3} * 64 * 64, 77);
     const hmesh::ImageView<std::uint8_t, 3> view{pixels.data(), 64, 64};

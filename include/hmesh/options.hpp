@@ -164,8 +164,8 @@ struct Options {
     if (const Status status = check(options.limits); !status) return status;
     if (options.colors && *options.colors != Colors::optimal && *options.colors != Colors::sampled)
         return {Errc::invalid_argument, "the colors are none of those known", static_cast<int>(*options.colors), 1};
-    if (options.premultiplied && !kit::has_alpha(channels))
-        return {Errc::invalid_argument, "an image is premultiplied by alpha, which those of 2 or 4 channels have", channels, 4};
+    if (options.premultiplied)
+        if (const Status status = kit::check_premultiplied(channels); !status) return status;
     if (options.periodic > Periodic::xy)
         return {Errc::invalid_argument, "the axes of periodic are none of those known", static_cast<int>(options.periodic), 3};
     if (options.straight_border && options.periodic == Periodic::none)

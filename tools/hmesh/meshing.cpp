@@ -372,7 +372,7 @@ hmesh::Result fit_bytes(const ImageFile& image, const MeshingOptions& options, c
     hmesh::CompactImageOptions wanted;
     wanted.bytes = options.bytes;
     if (options.start_table) wanted.table = &hmesh::compact_photographs;
-    wanted.premultiplied = options.premultiplied && hmesh::kit::has_alpha(image.channels);
+    wanted.premultiplied = options.premultiplied;
     wanted.progress = options.progress;
     const hmesh::Annealed recipe = annealed_recipe(options);
     hmesh::CompactImage made = with_channels(image.channels, [&](auto channels) {

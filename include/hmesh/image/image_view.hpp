@@ -26,6 +26,11 @@ namespace kit {
 inline constexpr int max_channels = 16;
 /// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
+/// Whether colours of so many channels can be multiplied by alpha; else invalid_argument.
+[[nodiscard]] HMESH_COLD inline Status check_premultiplied(int channels) noexcept {
+    if (has_alpha(channels)) return {};
+    return {Errc::invalid_argument, "an image is premultiplied by alpha, which those of 2 or 4 channels have", channels, 4};
+}
 /// The longest side of an image, in px: positions on the 1/256 px grid are then exact in float (16 + 8 bits).
 inline constexpr int max_side = 65536;
 /// The largest number of pixels of an image: the handles of a mesh with one vertex a pixel then fit 32 bits.

@@ -119,7 +119,7 @@ class LatticeMesh {
     [[nodiscard]] bool is_on_site(kit::Vertex v) const noexcept { return sites_[v.index()].x >= 0; }
     [[nodiscard]] std::size_t left() const noexcept {
         std::size_t count = 0;
-        for (const kit::Vertex v : topology().vertices()) count += is_on_site(v) ? 0 : 1;
+        for (const kit::Vertex v : topology().vertices()) count += is_on_site(v) ? 0U : 1U;
         return count;
     }
     [[nodiscard]] kit::Point place(Site s) const noexcept { return {lattice_->x.place(s.x), lattice_->y.place(s.y)}; }
