@@ -248,7 +248,7 @@ class Covering {
     // Finds the loops in a hole.
     [[nodiscard]] bool swallow_inside(std::uint32_t hole, Removal& removal) {
         const Loop border = corners_of(loops_[hole]);
-        GridBox box(border.front());
+        GridBox box(at_[loops_[hole].some]);
         for (const GridPoint p : border) box.add(p);
         std::vector<std::uint32_t> seen = {hole};
         return sides_.visit(box, [&](std::uint32_t s) {

@@ -62,7 +62,7 @@ struct FaceCoordinates {
 template <class Body>
 HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoordinates& at, Point a, Point b, Point c,
                                         Body&& body) {
-    using Floats = Wide<float>;
+    using WideFloats = Wide<float>;
     const double offset = field.offset();
     const Wholes columns(std::max(0.0, std::min({a.x, b.x, c.x}) - offset), std::max({a.x, b.x, c.x}) - offset);
     const Wholes rows(std::max(0.0, std::min({a.y, b.y, c.y}) - offset), std::max({a.y, b.y, c.y}) - offset);
@@ -71,11 +71,11 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
     // What rounding to float may take from a coordinate: samples beside an edge may count too, those on it always do.
     const double reach = 1 + (right - left + 8) * (std::abs(at.bx) + std::abs(at.cx)) +
                          (bottom - rows.begin) * (std::abs(at.by) + std::abs(at.cy));
-    const Floats bound = Floats::all(static_cast<float>(-3e-7 * reach));
-    const bool is_narrow = right - left <= Floats::lanes;
+    const WideFloats bound = WideFloats::all(static_cast<float>(-3e-7 * reach));
+    const bool is_narrow = right - left <= WideFloats::lanes;
     const double ax = -at.bx - at.cx;
     const double per_a = 1 / ax, per_b = 1 / at.bx, per_c = 1 / at.cx;
-    const Floats counting = Floats::counting();
+    const WideFloats counting = WideFloats::counting();
     for (int j = rows.begin; j < bottom; ++j) {
         double begin_b = at.bx * (left - at.x) + at.by * (j - at.y), begin_c = at.cx * (left - at.x) + at.cy * (j - at.y);
         int first = left, last = right;
@@ -96,11 +96,11 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
             first = left + skip;
             begin_b += skip * at.bx, begin_c += skip * at.cx;
         }
-        for (int i = first; i < last; i += Floats::lanes) {
-            const Floats cb = Floats::all(static_cast<float>(begin_b)) + counting * static_cast<float>(at.bx);
-            const Floats cc = Floats::all(static_cast<float>(begin_c)) + counting * static_cast<float>(at.cx);
+        for (int i = first; i < last; i += WideFloats::lanes) {
+            const WideFloats cb = WideFloats::all(static_cast<float>(begin_b)) + counting * static_cast<float>(at.bx);
+            const WideFloats cc = WideFloats::all(static_cast<float>(begin_c)) + counting * static_cast<float>(at.cx);
             body(j, i, cb, cc, bound);
-            begin_b += Floats::lanes * at.bx, begin_c += Floats::lanes * at.cx;
+            begin_b += WideFloats::lanes * at.bx, begin_c += WideFloats::lanes * at.cx;
         }
     }
 }
@@ -117,17 +117,17 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
 /// What the samples of a positively oriented face are off, in units of 1 / per_unit.
 [[nodiscard]] HMESH_NEVER_INLINE inline Fit face_fit(const HeightField& field, const Corner& a, const Corner& b, const Corner& c,
                                                      float per_unit) noexcept {
-    using Floats = Wide<float>;
+    using WideFloats = Wide<float>;
     const detail::FaceCoordinates at(field, a.position, b.position, c.position);
-    Floats energy = Floats::all(0), most = Floats::all(0);
+    WideFloats energy = WideFloats::all(0), most = WideFloats::all(0);
     for (int channel = 0; channel < field.channels; ++channel) {
         const float base = a.heights[channel];
         const float rise_b = b.heights[channel] - base, rise_c = c.heights[channel] - base;
         detail::for_each_block(field, at, a.position, b.position, c.position,
-                               [&](int j, int i, const Floats& cb, const Floats& cc, const Floats& bound) {
-                                   const Floats inside = smaller(smaller(cb, cc), Floats::all(1) - cb - cc);
-                                   const Floats sample = Floats::load(field.row(channel, j) + i) - Floats::all(base);
-                                   const Floats off =
+                               [&](int j, int i, const WideFloats& cb, const WideFloats& cc, const WideFloats& bound) {
+                                   const WideFloats inside = smaller(smaller(cb, cc), WideFloats::all(1) - cb - cc);
+                                   const WideFloats sample = WideFloats::load(field.row(channel, j) + i) - WideFloats::all(base);
+                                   const WideFloats off =
                                        where_at_least(inside, bound, magnitude(cb * rise_b + cc * rise_c - sample) * per_unit);
                                    most = larger(most, off);
                                    energy = energy + detail::power16(off);
@@ -157,15 +157,15 @@ class Star {
     }
     /// What samples are off with the apex at heights[0], heights[1] .., one for each channel.
     [[nodiscard]] Fit fit(const double* heights) const noexcept {
-        using Floats = Wide<float>;
-        Floats energy = Floats::all(0), most = Floats::all(0);
+        using WideFloats = Wide<float>;
+        WideFloats energy = WideFloats::all(0), most = WideFloats::all(0);
         const std::size_t stride = block_size();
         if (used_ == 0) return {0, 0};  // there may be no blocks
         for (int c = 0; c < field_->channels; ++c) {
             const auto z = static_cast<float>(heights[c]);
             const float* const rest = blocks_.data() + place_of(c);
             for (std::size_t k = 0; k < used_; k += stride) {
-                const Floats off = magnitude(Floats::load(blocks_.data() + k) * z + Floats::load(rest + k));
+                const WideFloats off = magnitude(WideFloats::load(blocks_.data() + k) * z + WideFloats::load(rest + k));
                 most = larger(most, off);
                 energy = energy + detail::power16(off);
             }
@@ -183,7 +183,7 @@ class Star {
     /// in px, 0 where they may not slide; step[2 + c] is for heights[c]. False where there is none.
     [[nodiscard]] HMESH_NEVER_INLINE bool direction(const double* heights, const Fit& fit, bool slide_x, bool slide_y,
                                                     double (&step)[2 + max_bounded_channels]) const noexcept {
-        using Floats = Wide<float>;
+        using WideFloats = Wide<float>;
         constexpr int most = 2 + max_bounded_channels;
         double matrix[most][most] = {}, side[most] = {};
         const std::size_t stride = block_size();
@@ -193,12 +193,12 @@ class Star {
             const auto z = static_cast<float>(heights[c]);
             std::size_t k = 0;
             for (const StarFace& face : faces_) {
-                Floats squares = Floats::all(0), pulls = Floats::all(0);
+                WideFloats squares = WideFloats::all(0), pulls = WideFloats::all(0);
                 for (; k < face.end; k += stride) {
-                    const Floats own = Floats::load(blocks_.data() + k);
-                    const Floats off = (own * z + Floats::load(blocks_.data() + k + place_of(c))) * per_most;
-                    const Floats s = off * off, s2 = s * s, s4 = s2 * s2;
-                    const Floats pull = s4 * s2 * s * own;  // 14th power
+                    const WideFloats own = WideFloats::load(blocks_.data() + k);
+                    const WideFloats off = (own * z + WideFloats::load(blocks_.data() + k + place_of(c))) * per_most;
+                    const WideFloats s = off * off, s2 = s * s, s4 = s2 * s2;
+                    const WideFloats pull = s4 * s2 * s * own;  // 14th power
                     squares = squares + pull * own;
                     pulls = pulls + pull * off;
                 }
@@ -274,7 +274,7 @@ class Star {
         return static_cast<std::size_t>(Wide<float>::lanes) * static_cast<std::size_t>(1 + field_->channels);
     }
     HMESH_NEVER_INLINE void add_blocks(const Corner& a, const Corner& b) {
-        using Floats = Wide<float>;
+        using WideFloats = Wide<float>;
         const detail::FaceCoordinates at(*field_, place_, a.position, b.position);
         const int channels = field_->channels;
         const std::size_t stride = block_size();
@@ -290,15 +290,16 @@ class Star {
             face.rest_y[c] = (rise_a[c] * static_cast<float>(at.by) + rise_b[c] * static_cast<float>(at.cy)) * per_unit;
         }
         detail::for_each_block(*field_, at, place_, a.position, b.position,
-                               [&](int j, int i, const Floats& ca, const Floats& cb, const Floats& bound) {
+                               [&](int j, int i, const WideFloats& ca, const WideFloats& cb, const WideFloats& bound) {
                                    if (used_ + stride > blocks_.size())
                                        blocks_.resize(std::max<std::size_t>(4096, 2 * blocks_.size()));
                                    float* const block = blocks_.data() + used_;
                                    used_ += stride;
-                                   const Floats own = Floats::all(1) - ca - cb, inside = smaller(smaller(ca, cb), own);
+                                   const WideFloats own = WideFloats::all(1) - ca - cb, inside = smaller(smaller(ca, cb), own);
                                    where_at_least(inside, bound, own).store(block);
                                    for (int c = 0; c < channels; ++c) {
-                                       const Floats sample = Floats::load(field_->row(c, j) + i) - Floats::all(base_.heights[c]);
+                                       const WideFloats sample =
+                                           WideFloats::load(field_->row(c, j) + i) - WideFloats::all(base_.heights[c]);
                                        where_at_least(inside, bound, (ca * rise_a[c] + cb * rise_b[c] - sample) * per_unit)
                                            .store(block + place_of(c));
                                    }
@@ -308,7 +309,7 @@ class Star {
     }
     /// lift() of one channel.
     void balance(int channel, double& height, int steps) const noexcept {
-        using Floats = Wide<float>;
+        using WideFloats = Wide<float>;
         if (used_ == 0) return;  // there may be no blocks
         const std::size_t stride = block_size();
         const float* const own = blocks_.data();
@@ -316,12 +317,13 @@ class Star {
         for (int step = 0; step < steps; ++step) {
             // The largest above and below, and the coordinates there.
             const auto z = static_cast<float>(height);
-            Floats above = Floats::all(0), below = Floats::all(0), by_above = Floats::all(0), by_below = Floats::all(0);
+            WideFloats above = WideFloats::all(0), below = WideFloats::all(0), by_above = WideFloats::all(0),
+                       by_below = WideFloats::all(0);
             for (std::size_t k = 0; k < used_; k += stride) {
-                const Floats share = Floats::load(own + k), off = share * z + Floats::load(rest + k);
+                const WideFloats share = WideFloats::load(own + k), off = share * z + WideFloats::load(rest + k);
                 by_above = where_at_least(off, above, share) + where_below(off, above, by_above);
                 above = larger(above, off);
-                const Floats depth = off * -1.0F;
+                const WideFloats depth = off * -1.0F;
                 by_below = where_at_least(depth, below, share) + where_below(depth, below, by_below);
                 below = larger(below, depth);
             }
