@@ -23,8 +23,8 @@
 #   set_source_files_properties(icon.png PROPERTIES HMESH_OPTIONS "--sprite;--vertices;500")
 #
 # They come behind those of the target. Its number of vertices, its EFFORT and its PERIODIC make way where the image has its own:
-# --rate, --vertices, --psnr, --max-vertices, --effort and --periodic. Which files there are is said by FORMAT, LODS and OUTLINE
-# alone.
+# --rate, --vertices, --psnr, --bytes, --max-vertices, --effort and --periodic. Which files there are is said by FORMAT, LODS and
+# OUTLINE alone.
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
@@ -184,7 +184,7 @@ function(hmesh_add_meshes target)
         hmesh_check_options("hmesh_add_meshes(${target}): HMESH_OPTIONS of ${source}" ${own})
         # What of the target stands beside the image's own.
         set(keywords ${goals} EFFORT LODS PERIODIC)
-        if(own MATCHES "(^|;)--(rate|vertices|psnr)(;|=|$)")
+        if(own MATCHES "(^|;)--(rate|vertices|psnr|bytes)(;|=|$)")
             list(REMOVE_ITEM keywords ${goals})
         elseif(own MATCHES "(^|;)--max-vertices(;|=|$)")
             list(REMOVE_ITEM keywords RATE VERTICES MAX_VERTICES)

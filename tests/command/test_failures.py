@@ -29,9 +29,6 @@ FAILURES = rows("""
     'nan.pfm' have a sample that is NaN or infinite, in row 14 | grey.pgm --weights nan.pfm -o keep.ply
     'nan.pfm' has a sample that is NaN or infinite, in row 14 | grey.pgm --with nan.pfm -o keep.ply
     'mesh.hmc': it is a mesh, and no image            | grey.pgm --weights mesh.hmc -o keep.ply
-    --vertices 3                                      | grey.pgm -o keep.ply --vertices 3
-    (3, limit 4)                                      | grey.pgm -o keep.ply --vertices 3
-    --vertices -5                                     | grey.pgm -o keep.ply --vertices -5
     --vertices 321                                    | grey.pgm -o keep.ply --vertices 321
     limit 320                                         | grey.pgm -o keep.ply --vertices 321
     'nowhere/mesh.ply'                                | grey.pgm -o nowhere/mesh.ply

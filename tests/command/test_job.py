@@ -366,6 +366,9 @@ def test_join_leaves_the_files_of_the_job_alone(terrain):
     terrain.fails("is within the job", "job join job -o out.ply")
     Path("out.ply").unlink()
     assert terrain.run("job join job -o -").returncode == 2 and contents() == before
+    for output in ["x.tif", "x.hmc", "x.stl"]:
+        terrain.fails("is none of .ply, .obj, .glb and a folder", f"job join job -o {output}")
+    assert contents() == before
 
 
 def test_names_that_no_plan_can_hold_are_refused(terrain):

@@ -227,6 +227,15 @@ def test_a_sample_that_cannot_be_ends_the_work_with_its_rectangle(hmesh):
     assert not Path("a.ply").exists()
 
 
+def test_fewer_vertices_may_be_good_enough(hmesh):
+    draw("image.ppm")
+    for ways in ["--rate 10 --good-enough 20", "--vertices 300 --good-enough 25", "--max-vertices 300"]:
+        whole, parts = (hmesh.done(f"image.ppm -o {name}.ply --effort fast {ways}{more}") for name, more in
+                        [("whole", ""), ("parts", " --out-of-core")])
+        assert Path("whole.ply").read_bytes() == Path("parts.ply").read_bytes()
+        assert "vertices  300" not in parts or "--max" in ways
+
+
 @pytest.mark.parametrize("option", ["--psnr 30", "--render a.png", "--lods 3", "--sprite", "--method adams", "--strip a.png",
                                     "--fit-space each", "--premultiplied", "-o a.svg", "--with b.png", "--keep-partial"])
 def test_options_that_want_the_whole_image_are_refused(hmesh, option):

@@ -34,6 +34,10 @@ WRONG = rows("""
     makefiles have no names with control      | grey.pgm -o a=b.ply --depfile new.d
     makefiles have no names with control      | grey.pgm -o a.ply --report 'a(1)' --depfile new.d
     has '-1', which must be from 0 to 1000000 | color.ppm --channel-weights 1,-1,1
+    --vertices '3' must be at least 4         | grey.pgm -o new.ply --vertices 3
+    --vertices '-5' must be at least 4        | grey.pgm -o new.ply --vertices -5
+    --max-vertices '3' must be at least 4     | grey.pgm -o new.ply --max-vertices 3
+    --fit-space each is given without         | grey.pgm -o new.ply --fit-space each
     sampled ones are asked for                | grey.pgm --fit-space linear --colors sampled
     not premultiplied ones                    | grey.pgm --fit-space linear --premultiplied
     no input image                            | ''

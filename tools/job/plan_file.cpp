@@ -85,8 +85,14 @@ std::string read_plan(const Folder& folder, const std::string& program, Json& va
 
 std::string check_output(const Folder& folder, const std::string& output) {
     const std::filesystem::path own(tool::full_name(folder.path())), to(tool::full_name(output));
-    const bool is_within = std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end();
-    return is_within ? "'" + output + "' is within the job, whose files are its own: join into another place" : "";
+    if (std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end())
+        return "'" + output + "' is within the job, whose files are its own: join into another place";
+    for (std::filesystem::path folder = to; folder.has_relative_path(); folder = folder.parent_path()) {
+        std::error_code none;
+        if (std::filesystem::exists(folder / "plan.json", none) && std::filesystem::exists(folder / "parallel.sh", none))
+            return "'" + output + "' is within another job, '" + folder.string() + "', whose files are its own";
+    }
+    return {};
 }
 
 std::string digits(int number, int most) {

@@ -27,7 +27,7 @@ namespace job {
 // Reads them, where they are a plan of this very program's.
 [[nodiscard]] std::string read_plan(const Folder& folder, const std::string& program, Json& values, std::string& identity);
 
-// Whether what is joined of a job may be written there: not within the job, whose files are its own.
+// What is wrong with the place where what is joined of a job is to be written, or "": not within a job, whose files are its own.
 [[nodiscard]] std::string check_output(const Folder& folder, const std::string& output);
 
 // A number of a task's name or a file's, with as many digits as `most` has and four at least, so that names sort.

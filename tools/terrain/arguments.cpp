@@ -215,7 +215,7 @@ void add_model_options(CLI::App& app, Arguments& out) {
         "--no-normals", [&] { out.has_normals = false; }, "leave out the normals, which are those of the samples");
     add(app, "--base", "Z", ".stl: close the model with walls and a floor at this height, in the file's, to print it",
         [&](const std::string& text) { return parse_into(parse_finite, text, out.base); });
-    add(app, "--extent", "W,S,E,N", ".terrain: degrees of the outermost samples, where the file does not say them",
+    add(app, "--extent", "W,S,E,N", ".terrain: degrees of the outermost samples, in place of the file's",
         [&](const std::string& text) { return parse_extent(text, out.extent); });
     add(app, "--heights", "LOW,HIGH",
         ".terrain: between which the heights of all tiles are, in the file's, so that 15 bits say\n"
@@ -265,6 +265,8 @@ std::string find_conflict(const CLI::App& app, const Arguments& arguments) {
         return "--free-borders is given with --tiles, whose borders are to meet";
     if (arguments.border_tolerance && arguments.max_error)
         return "--border-tolerance is given with --max-error, whose borders follow from their rows in any case";
+    if (!arguments.has_normals && arguments.format == Format::stl)
+        return "--no-normals means nothing to .stl, which has normals of faces alone";
     if (arguments.base && arguments.format != Format::stl) return "--base is given without an output that ends in .stl";
     const bool is_globe = arguments.format == Format::quantized_mesh;
     if (arguments.extent && !is_globe) return "--extent is given without an output that ends in .terrain";

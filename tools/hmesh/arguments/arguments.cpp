@@ -37,6 +37,8 @@ std::string set_file(const std::string& text, std::string& file) {
     return {};
 }
 
+std::string find_too_few(std::int64_t vertices) { return vertices >= 4 ? "" : "must be at least 4, the corners of an image"; }
+
 void add_mesh_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("Mesh files");
     add_list(app, "-o,--output", "FILE",
@@ -92,7 +94,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         std::string why = parse_integer(text, count);
         out.meshing.target = hmesh::Target::vertices(count);
         out.target = "--vertices " + text;
-        return why;
+        return why.empty() ? find_too_few(count) : why;
     });
     CLI::Option* rate =
         add(app, "--rate", "PERCENT", "PERCENT vertices for 100 pixels (default: 1)", [&](const std::string& text) {
@@ -135,7 +137,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
             else out.meshing.target = hmesh::Target::at_most(count);
             out.outline_options.max_vertices = static_cast<int>(std::min<std::int64_t>(count, 1 << 30));
             out.target = (is_search ? out.target + " " : "") + "--max-vertices " + text;
-            return std::string(count >= 4 ? "" : "must be at least 4, the corners of an image");
+            return find_too_few(count);
         })
         ->excludes(vertices)
         ->excludes(rate);
@@ -227,7 +229,7 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
             if (std::string why = parse_in_range(text, 4, 256, out.grid); !why.empty()) return why;
             return std::string((out.grid & (out.grid - 1)) == 0 ? "" : "must be a power of two");
         });
-    add(app, "--seed", "N", "of the random numbers; the same seed gives the same mesh (default: 1)",
+    add(app, "--seed", "N", "of the random numbers, of which draft has none; the same seed gives the same mesh (default: 1)",
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
     add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: 128 to 256, by the number of vertices)",
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
@@ -466,8 +468,8 @@ std::string find_outline_conflict(const CLI::App& app, const std::vector<std::st
 std::string find_rectangle_conflict(const CLI::App& app, const Arguments& arguments) {
     if (arguments.meshing.method != Method::annealed)
         return std::string("--out-of-core means nothing to --method ") + name_of(methods, arguments.meshing.method);
-    for (const char* option : {"--psnr", "--good-enough", "--fit-space", "--sprite", "--outline", "--with", "--lods", "--render",
-                               "--wireframe", "--residual", "--strip", "--premultiplied", "--keep-partial", "--glb-bits"})
+    for (const char* option : {"--psnr", "--fit-space", "--sprite", "--outline", "--with", "--lods", "--render", "--wireframe",
+                               "--residual", "--strip", "--premultiplied", "--keep-partial", "--glb-bits"})
         if (app.count(option) != 0) return std::string(option) + " wants the whole image, which --out-of-core does not read";
     for (const MeshFile& mesh : arguments.meshes)
         if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
@@ -567,7 +569,10 @@ std::string find_conflict(const CLI::App& app, const std::vector<std::string>& i
     if (arguments.meshing.bytes > 0)
         if (std::string why = find_byte_conflict(app, arguments); !why.empty()) return why;
     if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
-    return find_conflict(arguments.meshing);
+    if (std::string why = find_conflict(arguments.meshing); !why.empty()) return why;
+    if (arguments.meshing.fit_space == FitSpace::each && !has_output(arguments, ".glb"))
+        return "--fit-space each is given without an output that ends in .glb, for which alone it fits linear light";
+    return {};
 }
 
 }  // namespace
@@ -733,6 +738,8 @@ std::string find_join_conflict(TileJob& job) {
     const std::string ending = format_ending(job.output);
     if (!ending.empty() && !job.format.empty())
         return "--format is given, of tiles in a folder, and '" + job.output + "' is one file of the format " + ending;
+    if (ending.empty() && job.format.empty() && !may_be_folder(job.output))
+        return "'" + job.output + "' must end in one of: " + format_endings() + "; or --format names that of tiles in a folder";
     if (ending.empty() && job.format.empty()) job.format = tile_formats[0].value;
     return {};
 }

@@ -3,7 +3,9 @@
 #define HMESH_TOOLS_WRITERS_ENDING_HPP
 
 #include <cstddef>
+#include <filesystem>
 #include <string>
+#include <system_error>
 
 namespace tool {
 
@@ -15,6 +17,12 @@ namespace tool {
         if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;
     }
     return true;
+}
+
+// Whether a name that ends in no format may be meant for a folder: it is there as one, ends in a slash, or has no ending at all.
+[[nodiscard]] inline bool may_be_folder(const std::string& name) {
+    std::error_code none;
+    return !std::filesystem::path(name).has_extension() || std::filesystem::is_directory(name, none);
 }
 
 }  // namespace tool

@@ -17,6 +17,7 @@
 #include "terrain/job/plan.hpp"
 #include "terrain/job/tasks.hpp"
 #include "thread_pool.hpp"
+#include "writers/ending.hpp"
 
 namespace terrain {
 namespace {
@@ -81,7 +82,7 @@ int join_job(const JobArguments& arguments) {
                                             "; --open-seams joins them nevertheless");
     const Format format = format_of(arguments.output);
     const bool is_file = format == Format::ply || format == Format::obj || format == Format::glb;
-    if (format != Format::none && !is_file)
+    if ((format != Format::none && !is_file) || (format == Format::none && !tool::may_be_folder(arguments.output)))
         return tool::fail(tool::failed, "'" + arguments.output + "' is none of .ply, .obj, .glb and a folder");
     std::string said;
     if (const std::string why =
