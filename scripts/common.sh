@@ -2,6 +2,13 @@
 # shellcheck shell=bash disable=SC2034
 set -eu -o pipefail
 unset CDPATH
+# Asked for help, all of them print what they say of themselves, and do nothing.
+case ${1-} in
+    -h | --help)
+        awk 'NR > 1 && !/^#/ { exit } NR > 1 && !/shellcheck/ { sub(/^# ?/, ""); print }' "$0"
+        exit
+        ;;
+esac
 start_directory=$PWD
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
