@@ -384,6 +384,22 @@ test('the module comes from bytes, an address, an answer or a promise, and what 
   assert.match((await errorOf(() => load(42))).message, /42/);
 });
 
+test('an address that failed is asked again, and what else failed is forgotten', async () => {
+  const { bindTo } = await import(new URL('mesher.js', folder));
+  let asked = 0;
+  const compile = async (source) => {
+    asked++;
+    if (source) throw new Error(`not there: ${source}`);
+  };
+  const { init: setUp } = bindTo({ compile, compileCompact: compile, spawn() {}, threads: () => 1 });
+  for (const wasm of ['a.wasm', new URL('http://127.0.0.1/a.wasm')]) {
+    for (const given of [{ wasm }, {}, {}]) assert.match((await errorOf(() => setUp(given))).message, /not there/);
+  }
+  assert.match((await errorOf(() => setUp({ wasm: Promise.resolve(1) }))).message, /not there/);
+  await setUp();
+  assert.equal(asked, 8);
+});
+
 test('hmesh.meshing.wasm makes the same meshes, and refuses with a sentence what it lacks', async () => {
   const small = await load(new URL('hmesh.meshing.wasm', folder)), mesh = small.meshImage(image, { vertices: 200 });
   assert.equal(hashOf(mesh), hashOf((await load()).meshImage(image, { vertices: 200 })));

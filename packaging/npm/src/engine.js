@@ -73,11 +73,13 @@ export function checkOptions(options, image) {
   return { effort, seed, premultiplied: !!premultiplied, bare: !!bare, weights, [target]: value };
 }
 
+export const isAddress = (source) => typeof source === 'string' || source instanceof URL || isTyped(source, 'URL');
+
 // Makes a module of bytes, a Response, what fetchFile() takes, or a promise of one of these.
 export async function compile(source, fetchFile = fetch) {
   let given = await source;
   if (given instanceof WebAssembly.Module) return given;
-  if (typeof given === 'string' || isTyped(given, 'URL') || given instanceof URL) given = await fetchFile(given);
+  if (isAddress(given)) given = await fetchFile(given);
   if (isTyped(given, 'ArrayBuffer') || ArrayBuffer.isView(given)) return WebAssembly.compile(given);
   if (!given?.ok) refuse(`hmesh.wasm cannot be read from ${given?.url ?? String(given)}: ${given?.status ?? 'no Response'}`, 'read_failed');
   return given.headers.get('content-type')?.startsWith('application/wasm')

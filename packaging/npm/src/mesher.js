@@ -1,6 +1,6 @@
 // Mesher: a worker that meshes, writes, reads and draws, one job at a time; and bindTo(), which makes the package's functions for a
 // platform: where the module is, and how a worker is started.
-import { HmeshError, checkImage, checkOptions, checkRange, hasThreads } from './engine.js';
+import { HmeshError, checkImage, checkOptions, checkRange, hasThreads, isAddress } from './engine.js';
 
 // Node's workers share memory with whom they belong to, and a browser's where the page is cross-origin isolated.
 export const canShare = () => typeof SharedArrayBuffer === 'function' && globalThis.crossOriginIsolated !== false;
@@ -195,7 +195,7 @@ function kept(compile) {
   const get = () => {
     const begun = module ??= compile(source);
     return begun.catch((error) => {
-      if (module === begun) module = undefined;
+      if (module === begun) [module, source] = [undefined, isAddress(source) ? source : undefined];  // it may be there the next time
       throw error;
     });
   };
