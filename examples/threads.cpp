@@ -1,6 +1,6 @@
 // threads - meshes a picture on one thread and on all cores: what each takes, and that the bytes are equal.
 //
-// Threads share out the tiles of an image. Up to a megapixel there is one, unless Annealed::tile asks for more.
+// Threads share out the tiles of an image. By default these have 128 to 256 px; Annealed::tile says another size.
 #include <chrono>
 #include <cmath>
 #include <cstdint>

@@ -410,7 +410,7 @@ bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
 /// vertex.
 struct Adams {
     /// Points before the removal, in units of the target, in [1, 1000]; at most one for each pixel. Time is proportional to it.
-    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06 (docs/paper.md).
+    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.30, 27.03 and 27.12 (docs/paper.md).
     double density = 4.5;
     /// Passes of the binomial filter [1 2 1] / 4 before the derivatives, in [0, 100]; 0 costs 0.1 to 0.4 dB on Lena and Fruits.
     int smoothing = 3;
@@ -455,7 +455,7 @@ struct Adams {
 ///
 ///    Delaunay triangulation of all pixels -> greedy point removal to n
 ///
-/// Colours are sampled. Adams' method is a short cut of this one, which is not always better: it is above Adams' in 38 of 90
+/// Colours are sampled. Adams' method is a short cut of this one, which is not always better: it is above Adams' in 39 of 90
 /// meshes of 256 x 256 px and, with optimal colours for both, in 80, by 0.2 dB on average (docs/paper.md).
 ///
 /// Cost: 8 us and 0.7 KB a pixel of the image, whatever the target.
@@ -1925,9 +1925,9 @@ struct Hierarchical {
     int levels = 2;                     ///< N, in [1, 20], the image itself included; the paper: 2 or 3; 3 lose 0.1 to 0.9 dB
     kit::BilateralOptions bilateral{};  ///< the filter from level to level; diameter 9 and sigmas 50, as in the paper
     kit::LevelFilter filter{};          ///< if set, used in place of the bilateral filter; must outlive the call of mesh_image()
-    Adams start{6, 3};                  ///< for the first mesh; density 6 is 0.05 to 0.15 dB above 4.5 in five of six
+    Adams start{6, 3};                  ///< for the first mesh; density 6 is 0.02 to 0.15 dB above 4.5
     /// Whether the first mesh is made on the coarsest level, as in the paper, or on the image itself. The latter is better by
-    /// 0.2 to 0.6 dB in five of the six: the mesh then has points in textures that the filter removes.
+    /// 0.2 to 0.6 dB in five of six: the mesh then has points in textures that the filter removes.
     bool start_filtered = true;
     kit::GeometryStep geometry{};  ///< how positions and colours are solved for, and how the solution is used
     int rounds = 2;       ///< of geometry step and flips on each level, in [0, 1000]; two in the paper; four gain 0.1 to 0.2 dB

@@ -1,6 +1,6 @@
 // compiled_once - hmesh in a program of many files: this is one of those that use it. It compiles in a second, because all files
 // of the program are compiled with HMESH_COMPILED and so see of mesh_image() its declaration only. meshing.cpp is the one file
-// that compiles it. CMakeLists.txt says what both have in common.
+// that compiles it. ../CMakeLists.txt says what both have in common.
 //
 // The same two files without HMESH_COMPILED are header-only again, and do the same.
 #include <hmesh/hmesh.hpp>

@@ -490,8 +490,9 @@ class CompactWriter {
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as a compact file. A mesh that has no size, numbers that are not finite, positions off the
-/// 1/256 px grid, two vertices at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise
+/// 1/256 px grid, two colours at one place, vertices without faces, faces that overlap, turn the other way or meet otherwise
 /// than edge to edge give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// Vertices of one place and one colour become one.
 inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOptions& options = {}) {
     constexpr std::uint64_t most = detail::CompactHead::widest / 2;
     if (const Status status =

@@ -8,8 +8,8 @@
 /// image, the tiles at work; images have at most kit::max_side px a side, but any number of pixels, up to 2^32.
 ///
 /// How often pixels are read: three times for the first points (of float samples once more before that), once for their colours,
-/// and then once for each pass over the tiles, with what stands out of the tiles; some 25 times in all for Effort::draft, 45 for
-/// normal, and once more for each sweep of longer annealing. docs/scale.md has more of that.
+/// and then once for each pass over the tiles, with what stands out of the tiles; 20 times in all for Effort::draft, 29 for fast,
+/// 44 for normal, and once or twice more for each sweep of longer annealing. docs/scale.md has more of that.
 #ifndef HMESH_LARGE_MESH_READER_HPP
 #define HMESH_LARGE_MESH_READER_HPP
 
@@ -38,9 +38,9 @@ namespace hmesh {
 ///     - not_finite where a sample is not finite that was, when it was read before (no mesh);
 ///     - target_out_of_range where more than kit::max_pixels vertices are asked for (no mesh).
 ///
-/// Memory: about 0.85 KB a vertex, and for each tile at work its pixels, its moment table and 0.6 KB for each vertex placed
-/// there; images of up to 4194304 px, and larger ones whose table takes 256 MiB at most, are one table. Of periodic images 4
-/// bytes a pixel.
+/// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and for each tile at work its pixels, its moment
+/// table and 0.6 KB for each vertex placed there; images of up to 4194304 px, and larger ones whose table takes 256 MiB at most,
+/// are one table. Of periodic images 4 bytes a pixel.
 template <class T, int C>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageReader<T, C>& reader, const Options& options = {},
                                                    const Annealed& recipe = {}, const ParallelFor& parallel_for = {});

@@ -63,7 +63,7 @@ bool remove_points(TiledMesh<C>& tiled, std::size_t n) {
 /// vertex.
 struct Adams {
     /// Points before the removal, in units of the target, in [1, 1000]; at most one for each pixel. Time is proportional to it.
-    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.29, 27.14 and 27.06 (docs/paper.md).
+    /// Lena at 1 % has 27.06 dB with 2, 28.05 with 4.5, 28.21 with 8; Fruits 26.30, 27.03 and 27.12 (docs/paper.md).
     double density = 4.5;
     /// Passes of the binomial filter [1 2 1] / 4 before the derivatives, in [0, 100]; 0 costs 0.1 to 0.4 dB on Lena and Fruits.
     int smoothing = 3;

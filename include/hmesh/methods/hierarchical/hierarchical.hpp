@@ -62,9 +62,9 @@ struct Hierarchical {
     int levels = 2;                     ///< N, in [1, 20], the image itself included; the paper: 2 or 3; 3 lose 0.1 to 0.9 dB
     kit::BilateralOptions bilateral{};  ///< the filter from level to level; diameter 9 and sigmas 50, as in the paper
     kit::LevelFilter filter{};          ///< if set, used in place of the bilateral filter; must outlive the call of mesh_image()
-    Adams start{6, 3};                  ///< for the first mesh; density 6 is 0.05 to 0.15 dB above 4.5 in five of six
+    Adams start{6, 3};                  ///< for the first mesh; density 6 is 0.02 to 0.15 dB above 4.5
     /// Whether the first mesh is made on the coarsest level, as in the paper, or on the image itself. The latter is better by
-    /// 0.2 to 0.6 dB in five of the six: the mesh then has points in textures that the filter removes.
+    /// 0.2 to 0.6 dB in five of six: the mesh then has points in textures that the filter removes.
     bool start_filtered = true;
     kit::GeometryStep geometry{};  ///< how positions and colours are solved for, and how the solution is used
     int rounds = 2;       ///< of geometry step and flips on each level, in [0, 1000]; two in the paper; four gain 0.1 to 0.2 dB
