@@ -161,8 +161,8 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
 
     app.add_flag_callback(
         "--free-borders", [&] { out.has_free_borders = true; },
-        "with --max-error, 1 to 10 % fewer triangles where nothing is to meet the borders, which else\n"
-        "follow from their rows of samples alone");
+        "with --max-error, 1 % fewer triangles of large models, up to a tenth of small ones, where nothing is\n"
+        "to meet the borders, which else follow from their rows of samples alone");
 
     add(app, "--border-tolerance", "E",
         "with --vertices or --percent, borders within E of their rows of samples, from which alone they\n"
