@@ -87,10 +87,10 @@ std::string check_output(const Folder& folder, const std::string& output) {
     const std::filesystem::path own(tool::full_name(folder.path())), to(tool::full_name(output));
     if (std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end())
         return "'" + output + "' is within the job, whose files are its own: join into another place";
-    for (std::filesystem::path folder = to; folder.has_relative_path(); folder = folder.parent_path()) {
+    for (std::filesystem::path at = to; at.has_relative_path(); at = at.parent_path()) {
         std::error_code none;
-        if (std::filesystem::exists(folder / "plan.json", none) && std::filesystem::exists(folder / "parallel.sh", none))
-            return "'" + output + "' is within another job, '" + folder.string() + "', whose files are its own";
+        if (std::filesystem::exists(at / "plan.json", none) && std::filesystem::exists(at / "parallel.sh", none))
+            return "'" + output + "' is within another job, '" + at.string() + "', whose files are its own";
     }
     return {};
 }
