@@ -369,6 +369,8 @@ def test_join_leaves_the_files_of_the_job_alone(terrain):
     for output in ["x.tif", "x.hmc", "x.stl"]:
         terrain.fails("is none of .ply, .obj, .glb and a folder", f"job join job -o {output}")
     assert contents() == before
+    plan(terrain, folder="other")
+    terrain.fails("is within another job, '", "job join job -o other/tiles")
 
 
 def test_names_that_no_plan_can_hold_are_refused(terrain):

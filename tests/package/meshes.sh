@@ -85,6 +85,14 @@ project "$source/tests/package/meshes" "$@" -DRATE=8 "-DMORE=RATE;8" "-DOWN_OPTI
 meshes one one one two
 [ "$(vertices more/one.ply)" = 12 ] || fail "12 vertices were wanted"
 
+# An image with a number of bytes of its own.
+cp "$work/one.pgm" "$work/small.pgm"
+project "$source/tests/package/meshes" "$@" -DRATE=8 -DOWN_OPTIONS= -DMORE= "-DSMALL=$work/small.pgm" || fail "--bytes cannot be configured"
+meshes one one small
+size=$(wc -c <"$work/build/small/small.hmc")
+[ "$size" -gt 200 ] && [ "$size" -le 300 ] || fail "300 bytes were wanted, and there are $size"
+set -- "$@" -DSMALL=
+
 # Textures that tile: the mesh holds copies of the vertices on its border. One image says that it does not.
 project "$source/tests/package/meshes" "$@" -DRATE=8 "-DOWN_OPTIONS=--periodic;none" "-DMORE=VERTICES;30;PERIODIC;xy" ||
     fail "PERIODIC cannot be configured"

@@ -329,6 +329,14 @@ test('out of memory is said in a sentence, and the instance serves the next call
   assert.equal((await errorOf(() => hmesh.render(hmesh.meshImage(image), { width: 3000, height: 3000 }))).code, 'out_of_memory');
   hmesh.free();
   assert.equal(hmesh.meshImage(image, { vertices: 50 }).vertices, 50);
+  // A call within another one's callback that runs out of it takes the other one along, with a sentence.
+  const large = { data: new Uint8Array(3 * 3000 * 3000), width: 3000, height: 3000, channels: 3 };
+  let tries = 0;
+  const outer = await errorOf(() => hmesh.meshImage(image, { onProgress() {
+    if (tries++ === 0) assert.throws(() => hmesh.meshImage(large), { code: 'out_of_memory' });
+  } }));
+  assert.ok(outer instanceof HmeshError && /stopped/.test(outer.message), String(outer));
+  assert.equal(hmesh.meshImage(image, { vertices: 50 }).vertices, 50);
   const module = await compileHmesh();
   for (const maximumMemory of [0, NaN, 4096, 'much']) assert.match((await errorOf(() => new Hmesh(module, { maximumMemory }))).message, /maximumMemory/);
 });

@@ -37,16 +37,16 @@ const toAddress = (path) => path.split('/').map(encodeURIComponent).join('/');
 
 const isElsewhere = (address) => /^([a-z][a-z\d+.-]*:|\/)/i.test(address);
 
-// The path of an image beside its page, or undefined.
-function ownImage(src = '') {
-  const path = src.replace(/[?#].*$/s, '');
-  if (isElsewhere(path) || !/\.(jpe?g|png|webp|avif|gif|tiff?)$/i.test(path)) return undefined;
+// The path that an address beside the page names.
+function pathOf(address) {
+  const path = address.replace(/[?#].*$/s, '');
   try {
     return decodeURIComponent(path);
   } catch {
     return path;  // as browsers take 100%.png
   }
 }
+const isImage = (path) => /\.(jpe?g|png|webp|avif|gif|tiff?)$/i.test(path);
 
 // The page with placeholders, how many, and a sentence for each image that could not be read. Images that have one or are elsewhere stay as
 // they are.
@@ -54,11 +54,11 @@ async function fill(page, folder, make) {
   const parts = [], faults = [];
   let done = 0, count = 0, base;
   for (const { name, attributes, at } of tagsOf(page)) {
-    if (name === 'base') base ??= attributes.get('href')?.replace(/[^/]*$/, '');
-    const src = attributes.get('src'), path = name === 'img' && !attributes.has('data-mesh') && ownImage(src);
-    if (!path || isElsewhere(base ?? '')) continue;
+    if (name === 'base') base ??= attributes.get('href');
+    const src = attributes.get('src') ?? '', path = pathOf(src);
+    if (name !== 'img' || attributes.has('data-mesh') || !isImage(path) || isElsewhere(src) || isElsewhere(base ?? '')) continue;
     try {
-      const { width, height, mesh } = await make(join(folder, base ?? '', path));
+      const { width, height, mesh } = await make(join(folder, pathOf(base ?? '').replace(/[^/]*$/, ''), path));
       const size = attributes.has('width') || attributes.has('height') ? '' : ` width="${width}" height="${height}"`;
       parts.push(page.slice(done, at), `${size} data-mesh="${mesh}"`);
       done = at;

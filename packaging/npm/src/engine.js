@@ -141,15 +141,15 @@ export class Hmesh {
     const { effort, seed, premultiplied, bare, weights, ...target } = checkOptions(options, image);
     const { data, width, height } = image, isOpaque = image.channels === 3 || isAllOpaque(data);
     const channels = isOpaque ? 3 : 4, [[kind, value]] = Object.entries(target);
-    const before = this.#watch, watch = this.#watch = { onProgress, onMesh, shown: 0 };
+    const watch = { onProgress, onMesh, shown: 0 };
     const made = this.#run((wasm) => {
+      this.#watch = watch;
       const at = wasm.hmesh_allocate(width * height * channels);
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
       const weightsAt = weights ? this.#put(weights) : 0;
       const given = [at, width, height, channels, premultiplied && !isOpaque], recipe = [value, EFFORTS.indexOf(effort), seed];
       const answer = this.#read(kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
         : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt));
-      this.#watch = before;  // of the call within whose onProgress or onMesh this one was made
       wasm.hmesh_release(at);
       if (weightsAt) wasm.hmesh_release(weightsAt);
       if (watch.thrown) return 0;
@@ -166,8 +166,10 @@ export class Hmesh {
     const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png', bare = false,
       lattice = 0, colorStep = 0 } = options ?? {};
     if (bare && format !== 'hmc') refuse(`bare is of hmc alone: ${format}`);
-    checkRange('256 times the lattice', 256 * lattice, 0, 2 ** 24, true);
-    checkRange('colorStep', colorStep, 0, 4095, true);
+    if (bare) {
+      checkRange('256 times the lattice', 256 * lattice, 0, 2 ** 24, true);
+      checkRange('colorStep', colorStep, 0, 4095, true);
+    }
     number(SVG_KINDS, kind, 'kind of SVG');
     if (original != null && !isTyped(original, 'Uint8Array')) refuse('the original is no Uint8Array');
     return this.#run((wasm) => {
@@ -209,16 +211,19 @@ export class Hmesh {
 
   // Calls body() with the functions of C. What leaves them by force (no memory, a trap) leaves the instance in no known state.
   #run(body) {
+    const watch = this.#watch;  // of the call within whose onProgress or onMesh this one is made
     try {
       if (!this.#wasm) this.#start();
       return body(this.#wasm);
     } catch (error) {
-      if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError) {
+      if (error instanceof WebAssembly.RuntimeError || error instanceof RangeError || (!this.#wasm && !error?.code)) {
         this.free();
         throw new HmeshError(`hmesh stopped: ${error.message}`, 'internal');
       }
       if (error?.code === 'out_of_memory') this.free();
       throw error;
+    } finally {
+      this.#watch = watch;
     }
   }
 

@@ -16,25 +16,27 @@ function decode(letters) {
   }
 }
 
-// The tags that begin something: their names, their attributes (the first of a name counts), and where another attribute can be put.
+// The tags that begin something: their names, their attributes (the first of a name counts), and where another attribute can be put, which
+// is behind the name. What is white is what HTML calls so, and no letter of latin1.
 export function* tagsOf(page) {
-  const tag = /<!--[^]*?(?:-->|$)|<([a-z][^\s/>]*)/gi, attribute = /[\s/]*(?:(>)|([^\s/>][^\s/>=]*)(?:\s*=\s*("[^"]*"|'[^']*'|[^\s>"'][^\s>]*))?)/y;
+  const tag = /<!--(?:-?>|[^]*?(?:--!?>|$))|<(\/?[a-z][^\t\n\f\r />]*)/gi;
+  const attribute = /[\t\n\f\r /]*(?:(>)|([^\t\n\f\r />][^\t\n\f\r />=]*)(?:[\t\n\f\r ]*=[\t\n\f\r ]*("[^"]*"|'[^']*'|[^\t\n\f\r >"'][^\t\n\f\r >]*))?)/y;
   for (let begun; (begun = tag.exec(page));) {
     if (!begun[1]) continue;
-    const name = begun[1].toLowerCase(), attributes = new Map();
-    let at = attribute.lastIndex = tag.lastIndex, found;
+    const name = begun[1].toLowerCase(), attributes = new Map(), at = attribute.lastIndex = tag.lastIndex;
+    let found;
     while ((found = attribute.exec(page)) && !found[1]) {
       const [, , key, value = ''] = found, low = key.toLowerCase();
       if (!attributes.has(low)) attributes.set(low, decode(unescape(value.replace(/^(["'])([^]*)\1$/, '$2'))));
-      at = attribute.lastIndex;
     }
     if (!found) return;  // the page ends within the tag
     tag.lastIndex = attribute.lastIndex;
+    if (name.startsWith('/')) continue;
     yield { name, attributes, at };
     if (!TEXTS.includes(name)) continue;
-    const end = new RegExp(`</${name}[\\s/>]`, 'gi');
+    const end = new RegExp(`</${name}[\\t\\n\\f\\r />]`, 'gi');
     end.lastIndex = tag.lastIndex;
-    if (!end.exec(page)) return;
-    tag.lastIndex = end.lastIndex;
+    if (end.exec(page)) tag.lastIndex = end.lastIndex;
+    else if (page[tag.lastIndex - 2] !== '/') return;  // all that follows is its text, but of <title/> in SVG
   }
 }

@@ -287,11 +287,11 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 def _write_whole(path: str, data: bytes) -> None:
     """Writes a file under another name, and gives it its own when it is whole. A symbolic link stays one, and what is no file,
     such as a pipe, is written to."""
-    path = os.path.realpath(path)
     if os.path.exists(path) and not os.path.isfile(path):
         with open(path, "wb") as file:
             file.write(data)
         return
+    path = os.path.realpath(path)
     handle, part = tempfile.mkstemp(prefix=".hmesh-", suffix=".part", dir=os.path.dirname(path))
     try:
         with os.fdopen(handle, "wb") as file:
@@ -541,7 +541,7 @@ def mesh_terrain(
 def _whole(name: str, value: Any, low: int, high: int) -> int:
     """A whole number within bounds; a float may be one, as 1e6 is."""
     is_whole = isinstance(value, (int, np.integer)) or (isinstance(value, (float, np.floating)) and float(value).is_integer())
-    if isinstance(value, bool) or not is_whole or not low <= value <= high:
+    if isinstance(value, bool) or not is_whole or not low <= int(value) <= high:
         raise ValueError(f"{name} must be a whole number from {low} to {high}, and is {value!r}")
     return int(value)
 

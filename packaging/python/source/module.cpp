@@ -52,7 +52,12 @@ template <class Value>
         if (!from.is_none()) return from.cast<Value>();
     } catch (const py::cast_error&) {  // said below
     }
-    throw py::type_error(std::string(name) + " must be " + kind_of<Value>() + ", and is " + py::repr(from).cast<std::string>());
+    std::string words = std::string("of type ") + Py_TYPE(from.ptr())->tp_name;
+    try {
+        words = py::repr(from).cast<std::string>();
+    } catch (const py::error_already_set&) {  // it has no words of its own
+    }
+    throw py::type_error(std::string(name) + " must be " + kind_of<Value>() + ", and is " + words);
 }
 // What a dict has by this name; from get_optional() None is no value.
 template <class Value>

@@ -384,8 +384,11 @@ def test_links_stay_links_and_pipes_are_written_to(tmp_path):
     reader.join(20)
     assert read == [wanted] and pipe.is_fifo()
     mesh.write(tmp_path / f"{'n' * 251}.ply")  # as long as names may be
-    mesh.write(os.devnull, "ply")
-    assert not os.path.isfile(os.devnull)
+    end, begin = os.pipe()  # as /dev/stdout may be
+    mesh.write(f"/dev/fd/{begin}", "ply")
+    os.close(begin)
+    with open(end, "rb") as file:
+        assert file.read() == wanted
 
 
 def test_compact_files_come_back():
@@ -478,6 +481,8 @@ def test_options_of_a_wrong_type_have_a_sentence():
     assert hmesh.mesh_image(image, psnr=20, max_vertices=1e3, effort="draft").report.message == ""  # whole numbers, as floats are
     for sentence, call in (
         ("max_vertices must be a whole number", lambda: hmesh.mesh_image(image, psnr=20, max_vertices=10.5)),
+        ("good_enough must be a number, and is of type int", lambda: hmesh.mesh_image(image, vertices=9, good_enough=10**5000)),
+        ("seed must be a whole number from 0", lambda: hmesh.mesh_image(image, vertices=9, seed=np.float64(2**64))),
         ("good_enough must be a number, and is 'a'", lambda: hmesh.mesh_image(image, vertices=9, good_enough="a")),
         ("border_tolerance must be a number, and is 'a'", lambda: hmesh.mesh_image(image, border_tolerance="a")),
         ("vertices must be a whole number, and is inf", lambda: hmesh.mesh_image(image, vertices=math.inf)),
@@ -507,12 +512,16 @@ class Trimesh:
 def test_to_trimesh_agrees_with_the_files(monkeypatch):
     monkeypatch.setitem(sys.modules, "trimesh", types.SimpleNamespace(Trimesh=Trimesh))
     alpha = np.dstack([picture(), np.full((80, 120), 128, np.uint8)])
+    alpha[:, :40, 3] = 0
     for image, options in ((picture(), {}), (picture(), {"samples": "points"}), (alpha, {"premultiplied": True})):
         mesh = hmesh.mesh_image(image, vertices=60, **options)
         other = mesh.to_trimesh()
         lines = mesh.tobytes("ply", ascii=True).decode().split("end_header\n")[1].splitlines()[:60]
         rows = np.array([[float(word) for word in line.split()] for line in lines])
-        assert np.allclose(other.vertices, rows[:, :3]) and np.array_equal(other.vertex_colors, rows[:, 3:])
+        shown = rows[:, 6] > 0 if rows.shape[1] > 6 else np.full(60, True)  # others have no colour to be seen
+        assert np.allclose(other.vertices, rows[:, :3]) and 0 < shown.sum()
+        assert np.array_equal(other.vertex_colors[shown], rows[shown, 3:])
+        assert np.array_equal(other.vertex_colors[:, 3:], rows[:, 6:])
 
 
 def test_to_trimesh():

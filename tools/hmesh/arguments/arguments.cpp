@@ -739,7 +739,8 @@ std::string find_join_conflict(TileJob& job) {
     if (!ending.empty() && !job.format.empty())
         return "--format is given, of tiles in a folder, and '" + job.output + "' is one file of the format " + ending;
     if (ending.empty() && job.format.empty() && !may_be_folder(job.output))
-        return "'" + job.output + "' must end in one of: " + format_endings() + "; or --format names that of tiles in a folder";
+        return "'" + job.output + "' must end in one of: " + format_endings() +
+               "; or --format names that of tiles in a folder, whose name may end in a slash";
     if (ending.empty() && job.format.empty()) job.format = tile_formats[0].value;
     return {};
 }

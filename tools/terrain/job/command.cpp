@@ -83,7 +83,8 @@ int join_job(const JobArguments& arguments) {
     const Format format = format_of(arguments.output);
     const bool is_file = format == Format::ply || format == Format::obj || format == Format::glb;
     if ((format != Format::none && !is_file) || (format == Format::none && !tool::may_be_folder(arguments.output)))
-        return tool::fail(tool::failed, "'" + arguments.output + "' is none of .ply, .obj, .glb and a folder");
+        return tool::fail(tool::failed,
+                          "'" + arguments.output + "' is none of .ply, .obj, .glb and a folder, whose name may end in a slash");
     std::string said;
     if (const std::string why =
             is_file ? join_into_file(plan, arguments.output, said) : join_into_folder(plan, arguments.output, said);
