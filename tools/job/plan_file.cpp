@@ -88,9 +88,9 @@ std::string check_output(const Folder& folder, const std::string& output) {
     if (std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end())
         return "'" + output + "' is within the job, whose files are its own: join into another place";
     for (std::filesystem::path at = to; at.has_relative_path(); at = at.parent_path()) {
-        std::error_code none;
-        if (std::filesystem::exists(at / "plan.json", none) && std::filesystem::exists(at / "parallel.sh", none))
-            return "'" + output + "' is within another job, '" + at.string() + "', whose files are its own";
+        const Folder other(at.string());  // plans of other programs have no lists for engines
+        if (other.has(plan_file) && other.has("parallel.sh"))
+            return "'" + output + "' is within another job, '" + other.path() + "', whose files are its own";
     }
     return {};
 }

@@ -82,7 +82,8 @@ int join_job(const JobArguments& arguments) {
                                             "; --open-seams joins them nevertheless");
     const Format format = format_of(arguments.output);
     const bool is_file = format == Format::ply || format == Format::obj || format == Format::glb;
-    if ((format != Format::none && !is_file) || (format == Format::none && !tool::may_be_folder(arguments.output)))
+    const bool is_folder = format == Format::none && tool::may_be_folder(arguments.output);
+    if (!is_file && !is_folder)
         return tool::fail(tool::failed,
                           "'" + arguments.output + "' is none of .ply, .obj, .glb and a folder, whose name may end in a slash");
     std::string said;
