@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/io/compact/arithmetic_coder.hpp
 
@@ -162,8 +164,8 @@ struct GridPoint {
     const std::int64_t sa = ax * ax + ay * ay, sb = bx * bx + by * by, sc = cx * cx + cy * cy;
     const std::int64_t pa = bx * cy - cx * by, pb = cx * ay - ax * cy, pc = ax * by - bx * ay;
     // Of distances below 2^15 each product is below 2^61: |p| is at most half of the sum of two squares.
-    constexpr std::int64_t near = std::int64_t{1} << 30;
-    if (sa < near && sb < near && sc < near) {
+    constexpr std::int64_t within = std::int64_t{1} << 30;
+    if (sa < within && sb < within && sc < within) {
         const std::int64_t sum = sa * pa + sb * pb + sc * pc;
         return sum > 0 ? 1 : sum < 0 ? -1 : 0;
     }
@@ -1088,17 +1090,17 @@ class SiteCoder {
             if (may.least != may.most) {
                 // The cells before it along both axes have been halved, and the one before along both.
                 std::uint64_t there = 0, corner = 0;
-                std::uint32_t near = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0, corner_half = 0,
-                              far = 0;
+                std::uint32_t before_second = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0,
+                              corner_half = 0, diagonal = 0;
                 if (step(cell, along, false, there)) {
-                    near = halves_[2 * there + 1];
+                    before_second = halves_[2 * there + 1];
                     before = counts_[there];
-                    if (step(there, across, true, corner)) far += counts_[corner];
+                    if (step(there, across, true, corner)) diagonal += counts_[corner];
                 }
                 if (step(cell, along, true, there)) {
                     after = counts_[there];
-                    if (step(there, across, true, corner)) far += counts_[corner];
-                    if (step(there, across, false, corner)) far += counts_[corner];
+                    if (step(there, across, true, corner)) diagonal += counts_[corner];
+                    if (step(there, across, false, corner)) diagonal += counts_[corner];
                 }
                 if (step(cell, across, false, there)) {
                     side_first = halves_[2 * there];
@@ -1106,10 +1108,11 @@ class SiteCoder {
                     if (step(there, along, false, corner)) corner_half = halves_[2 * corner + 1];
                 }
                 if (step(cell, across, true, there)) beyond = counts_[there];
-                const std::size_t neighbors = upto3(near) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
+                const std::size_t neighbors =
+                    upto3(before_second) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
                 const std::size_t wide = upto7(before) << 5 | upto7(after) << 2 | (std::min<std::size_t>(deeper, 4) - 1);
-                const std::size_t others =
-                    upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 | upto3((far + 1) / 2);
+                const std::size_t others = upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 |
+                                           upto3((diagonal + 1) / 2);
                 first = tell(may, n, count_first(halving, level, at, n), [&](std::size_t kind, bool bit) {
                     return mixer_.code(*coder_, bit,
                                        {&neighbors_[kind * 256 + neighbors], &wide_[kind * 256 + wide],
@@ -1977,10 +1980,10 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
         head.top = in.signed_varint();
         head.frame_width = in.varint();
         head.frame_height = in.varint();
-        constexpr auto far = static_cast<std::int32_t>(CompactHead::widest);
+        constexpr auto widest = static_cast<std::int32_t>(CompactHead::widest);
         if (head.frame_width < 1 || head.frame_height < 1 || head.frame_width > CompactHead::widest ||
-            head.frame_height > CompactHead::widest || head.left < -far || head.left > far || head.top < -far || head.top > far ||
-            head.is_image_framed() || head.periodic == Periodic::none)
+            head.frame_height > CompactHead::widest || head.left < -widest || head.left > widest || head.top < -widest ||
+            head.top > widest || head.is_image_framed() || head.periodic == Periodic::none)
             return refused("the compact file's frame has no size, is too large, or is not that of a periodic mesh");
     }
     if (in.has_failed()) return refused("the compact file ends early or is damaged, in its head");
@@ -2251,11 +2254,11 @@ class FlipCoder {
         const std::size_t phase = std::min<std::uint32_t>(round, 3) - 1;
         const Index o = Triangulation::opposite(e);
         const std::size_t fresh = (rounds[e] + 1 == round ? 1U : 0U) + (rounds[o] + 1 == round ? 1U : 0U);
-        std::size_t near =
-            0;  // triangles beyond the four sides that a flip has made, and those of them that one of this round has
+        // Triangles beyond the four sides that a flip has made; of this round's, each is six.
+        std::size_t flipped = 0;
         for (const Index side :
              {mesh.next(e), mesh.next(o), Triangulation::opposite(mesh.previous(e)), Triangulation::opposite(mesh.previous(o))})
-            near += rounds[side] == 0 ? 0U : rounds[side] == round ? 6U : 1U;
+            flipped += rounds[side] == 0 ? 0U : rounds[side] == round ? 6U : 1U;
         const int at_a = angle64(a, d, c), at_b = angle64(b, c, d);
         const auto place = [](int low, int high) {
             return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4);
@@ -2263,7 +2266,7 @@ class FlipCoder {
         return mixer_.code(
             *coder_, value,
             {&angles_[phase * 256 + place(at_c, at_d)], &shapes_[(phase * 16 + slack / 4) * 256 + place(at_a, at_b)],
-             &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + near]},
+             &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + flipped]},
             phase * 16 + slack / 4);
     }
 
@@ -3653,12 +3656,12 @@ class LatticeMesh {
         mesh_.gather(v, scratch_.ring, scratch_.spokes);
         const kit::Point p = mesh_.position(v);
         const Room room = room_of(v);
-        const Site near{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
+        const Site nearest{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
         Site best{-1, -1};
         double least = std::numeric_limits<double>::infinity();
         kit::Color<C> color = mesh_.color(v), best_color = color;
-        for (int y = std::max(room.first.y, near.y - reach); y <= std::min(room.last.y, near.y + reach); ++y)
-            for (int x = std::max(room.first.x, near.x - reach); x <= std::min(room.last.x, near.x + reach); ++x) {
+        for (int y = std::max(room.first.y, nearest.y - reach); y <= std::min(room.last.y, nearest.y + reach); ++y)
+            for (int x = std::max(room.first.x, nearest.x - reach); x <= std::min(room.last.x, nearest.x + reach); ++x) {
                 if (!accepts({x, y})) continue;
                 const double energy = energy_at({x, y}, mesh_.color(v), color);
                 if (energy < least) least = energy, best = {x, y}, best_color = color;
@@ -4136,11 +4139,11 @@ template <class T, int C>
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
     while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
-    Image<std::uint8_t, C> small =
+    Image<std::uint8_t, C> shrunken =
         shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for);
-    const kit::Rect whole{0, 0, small.width(), small.height()};
-    kit::MomentTable<C> table(small.view(), whole, parallel_for);
-    const CompactReference<C> image{std::move(small), std::move(table), view.width, view.height, shrink};
+    const kit::Rect whole{0, 0, shrunken.width(), shrunken.height()};
+    kit::MomentTable<C> table(shrunken.view(), whole, parallel_for);
+    const CompactReference<C> image{std::move(shrunken), std::move(table), view.width, view.height, shrink};
     const auto lattice_of = [&](double share) {
         return find_lattice(view.width, view.height, whole.width, whole.height, share * distance, options.bare);
     };
@@ -4239,6 +4242,7 @@ template <class T, int C>
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_COMPACT_HPP

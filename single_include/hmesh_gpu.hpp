@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/io/gpu/vertex_cache.hpp
 
@@ -992,7 +994,7 @@ class GpuWriter {
     const std::vector<Triangle> faces = detail::faces_of_three_corners(view);
     if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    std::vector<std::uint32_t> slots(mesh.vertex_count(), kit::no_index);
+    std::vector<std::uint32_t> places(mesh.vertex_count(), kit::no_index);
     std::vector<Triangle> ordered;
     std::vector<float> positions, colors;
     ordered.reserve(faces.size());
@@ -1002,15 +1004,15 @@ class GpuWriter {
         Triangle face = faces[f];
         for (const std::size_t corner : {0U, 2U, 1U}) {  // as exporters turn it, for y up
             std::uint32_t& v = face[corner];
-            std::uint32_t& slot = slots[v];
-            if (slot == kit::no_index) {
-                slot = static_cast<std::uint32_t>(positions.size() / 2);
+            std::uint32_t& place = places[v];
+            if (place == kit::no_index) {
+                place = static_cast<std::uint32_t>(positions.size() / 2);
                 const std::size_t at = v;
                 positions.insert(positions.end(), {mesh.positions[2 * at], mesh.positions[2 * at + 1]});
                 const float* const color = mesh.colors.data() + channels * at;
                 colors.insert(colors.end(), color, color + channels);
             }
-            v = slot;
+            v = place;
         }
         ordered.push_back(face);
     }
@@ -1955,14 +1957,14 @@ class Covering {
     bool turn(std::uint32_t v) {
         const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
         const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
-        Loop near;
+        Loop points;
         const auto gather = [&](std::uint32_t side) {
-            along_contour(from_[side], to_[side], [&](std::uint32_t i) { near.push_back(contour_[i]); });
+            along_contour(from_[side], to_[side], [&](std::uint32_t i) { points.push_back(contour_[i]); });
         };
         gather(v);
         if (orient(a, b, c) > 0) gather(before);
         if (orient(b, c, d) > 0) gather(after);
-        const Loop hull = convex_hull(std::move(near));
+        const Loop hull = convex_hull(std::move(points));
         if (hull.size() < 3) return false;
 
         // Twice the area of (a, b, c, d), which is to become smaller by 1/100 px^2 at least.
@@ -2419,7 +2421,7 @@ template <class T, int C>
 [[nodiscard]] inline kit::Covering simplified(kit::Covering covering, std::size_t most, double largest) {
     // Sides that are turned between removals win back area: so some steps may pass the bound, if not by far, and further ones
     // come back. Large steps come first, as if there were no others.
-    const double far = largest + 3 * (largest - covering.area());
+    const double too_large = largest + 3 * (largest - covering.area());
     kit::Covering best = covering;
     for (const double share : {0.8, 0.93, 1.0}) {
         covering = best;
@@ -2429,7 +2431,7 @@ template <class T, int C>
             const bool is_over = covering.corners() > most;
             if (!covering.remove_to(is_over ? std::max(most, next) : next)) break;
             if (is_over || covering.area() <= largest) best = covering, misses = 0;
-            else if (covering.area() > far || share == 1) break;
+            else if (covering.area() > too_large || share == 1) break;
             else ++misses;
         }
     }
@@ -2710,6 +2712,7 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_GPU_HPP

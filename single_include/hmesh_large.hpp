@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/image/image_reader.hpp
 
@@ -485,6 +487,7 @@ Result mesh_image(const ImageReader<T, C>& reader, const Options& options, const
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_LARGE_HPP

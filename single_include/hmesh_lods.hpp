@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/io/gltf_lods.hpp
 
@@ -784,6 +786,7 @@ ProgressiveMesh progressive_mesh(const ImageView<T, C>& view, const Mesh& finest
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_LODS_HPP

@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/methods/baselines/error_diffusion.hpp
 
@@ -2022,6 +2024,7 @@ struct Hierarchical {
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_PAPER_HPP

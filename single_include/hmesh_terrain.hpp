@@ -13,10 +13,12 @@
 #pragma push_macro("min")
 #pragma push_macro("max")
 #pragma push_macro("Status")
+#pragma push_macro("check")
 #endif
 #undef min
 #undef max
 #undef Status
+#undef check
 
 // ---- hmesh/io/heights/height_options.hpp
 
@@ -2765,8 +2767,8 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
 
 /// The 16th power of each lane, of at most 100.
 [[nodiscard]] HMESH_ALWAYS_INLINE Wide<float> power16(const Wide<float>& off) noexcept {
-    const Wide<float> small = smaller(off, Wide<float>::all(100.0F));
-    const Wide<float> square = small * small, fourth = square * square, eighth = fourth * fourth;
+    const Wide<float> held = smaller(off, Wide<float>::all(100.0F));
+    const Wide<float> square = held * held, fourth = square * square, eighth = fourth * fourth;
     return eighth * eighth;
 }
 
@@ -4094,6 +4096,7 @@ template <class T, int C>
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif
 
 #endif  // HMESH_TERRAIN_HPP

@@ -1,5 +1,5 @@
-// Words that Windows, Qt, X11 and the C library of embedded systems define as macros do not occur in the headers: each is a
-// syntax error here. The standard library and Eigen come first, since what they can bear is theirs to say.
+// Words that Windows, Qt, X11, game engines and C libraries define as macros occur in no header: each is a syntax error here.
+// The standard library and Eigen come first, since what they can bear is theirs to say.
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
 
@@ -10,13 +10,17 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
+#include <cstdlib>
 #include <cstring>
-#include <functional>
+#include <deque>
+#include <initializer_list>
+#include <iterator>
 #include <limits>
-#include <memory>
+#include <new>
+#include <numeric>
 #include <optional>
-#include <string>
+#include <queue>
+#include <tuple>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -48,7 +52,24 @@
 #define Always a syntax error
 #define Success a syntax error
 #define Complex a syntax error
+#define True a syntax error
+#define False a syntax error
+#define Above a syntax error
+#define Below a syntax error
+#define Convex a syntax error
+#define Nonconvex a syntax error
+#define Unsorted a syntax error
 #define I a syntax error
+#define complex a syntax error
+#define major a syntax error
+#define minor a syntax error
+#define unix a syntax error
+#define linux a syntax error
+#define verify a syntax error
+#define ensure a syntax error
+#define require a syntax error
+#define TEXT a syntax error
+#define nil a syntax error
 #define B0 a syntax error
 #define PI a syntax error
 #define F_CPU a syntax error
@@ -57,10 +78,10 @@
 #define min(a, b) a syntax error
 #define max(a, b) a syntax error
 #define Status a syntax error
+#define check(expression) a syntax error
 
-#include "hmesh/hmesh.hpp"
-#include "hmesh/paper.hpp"
+#include "all_headers.hpp"
 
-#if !defined(min) || !defined(max) || !defined(Status)
+#if !defined(min) || !defined(max) || !defined(Status) || !defined(check)
 #error "a macro of the user's is gone"
 #endif

@@ -111,7 +111,7 @@ template <class T, int C>
 [[nodiscard]] inline kit::Covering simplified(kit::Covering covering, std::size_t most, double largest) {
     // Sides that are turned between removals win back area: so some steps may pass the bound, if not by far, and further ones
     // come back. Large steps come first, as if there were no others.
-    const double far = largest + 3 * (largest - covering.area());
+    const double too_large = largest + 3 * (largest - covering.area());
     kit::Covering best = covering;
     for (const double share : {0.8, 0.93, 1.0}) {
         covering = best;
@@ -121,7 +121,7 @@ template <class T, int C>
             const bool is_over = covering.corners() > most;
             if (!covering.remove_to(is_over ? std::max(most, next) : next)) break;
             if (is_over || covering.area() <= largest) best = covering, misses = 0;
-            else if (covering.area() > far || share == 1) break;
+            else if (covering.area() > too_large || share == 1) break;
             else ++misses;
         }
     }

@@ -396,7 +396,7 @@ class GpuWriter {
     const std::vector<Triangle> faces = detail::faces_of_three_corners(view);
     if (faces.empty()) return {Errc::invalid_argument, "the mesh has no face of three different corners", 0, 1};
     const auto channels = static_cast<std::size_t>(mesh.channels);
-    std::vector<std::uint32_t> slots(mesh.vertex_count(), kit::no_index);
+    std::vector<std::uint32_t> places(mesh.vertex_count(), kit::no_index);
     std::vector<Triangle> ordered;
     std::vector<float> positions, colors;
     ordered.reserve(faces.size());
@@ -406,15 +406,15 @@ class GpuWriter {
         Triangle face = faces[f];
         for (const std::size_t corner : {0U, 2U, 1U}) {  // as exporters turn it, for y up
             std::uint32_t& v = face[corner];
-            std::uint32_t& slot = slots[v];
-            if (slot == kit::no_index) {
-                slot = static_cast<std::uint32_t>(positions.size() / 2);
+            std::uint32_t& place = places[v];
+            if (place == kit::no_index) {
+                place = static_cast<std::uint32_t>(positions.size() / 2);
                 const std::size_t at = v;
                 positions.insert(positions.end(), {mesh.positions[2 * at], mesh.positions[2 * at + 1]});
                 const float* const color = mesh.colors.data() + channels * at;
                 colors.insert(colors.end(), color, color + channels);
             }
-            v = slot;
+            v = place;
         }
         ordered.push_back(face);
     }

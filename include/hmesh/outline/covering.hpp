@@ -410,14 +410,14 @@ class Covering {
     bool turn(std::uint32_t v) {
         const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
         const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
-        Loop near;
+        Loop points;
         const auto gather = [&](std::uint32_t side) {
-            along_contour(from_[side], to_[side], [&](std::uint32_t i) { near.push_back(contour_[i]); });
+            along_contour(from_[side], to_[side], [&](std::uint32_t i) { points.push_back(contour_[i]); });
         };
         gather(v);
         if (orient(a, b, c) > 0) gather(before);
         if (orient(b, c, d) > 0) gather(after);
-        const Loop hull = convex_hull(std::move(near));
+        const Loop hull = convex_hull(std::move(points));
         if (hull.size() < 3) return false;
 
         // Twice the area of (a, b, c, d), which is to become smaller by 1/100 px^2 at least.

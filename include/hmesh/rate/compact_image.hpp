@@ -330,11 +330,11 @@ template <class T, int C>
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
     while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
-    Image<std::uint8_t, C> small =
+    Image<std::uint8_t, C> shrunken =
         shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for);
-    const kit::Rect whole{0, 0, small.width(), small.height()};
-    kit::MomentTable<C> table(small.view(), whole, parallel_for);
-    const CompactReference<C> image{std::move(small), std::move(table), view.width, view.height, shrink};
+    const kit::Rect whole{0, 0, shrunken.width(), shrunken.height()};
+    kit::MomentTable<C> table(shrunken.view(), whole, parallel_for);
+    const CompactReference<C> image{std::move(shrunken), std::move(table), view.width, view.height, shrink};
     const auto lattice_of = [&](double share) {
         return find_lattice(view.width, view.height, whole.width, whole.height, share * distance, options.bare);
     };

@@ -179,12 +179,12 @@ class LatticeMesh {
         mesh_.gather(v, scratch_.ring, scratch_.spokes);
         const kit::Point p = mesh_.position(v);
         const Room room = room_of(v);
-        const Site near{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
+        const Site nearest{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
         Site best{-1, -1};
         double least = std::numeric_limits<double>::infinity();
         kit::Color<C> color = mesh_.color(v), best_color = color;
-        for (int y = std::max(room.first.y, near.y - reach); y <= std::min(room.last.y, near.y + reach); ++y)
-            for (int x = std::max(room.first.x, near.x - reach); x <= std::min(room.last.x, near.x + reach); ++x) {
+        for (int y = std::max(room.first.y, nearest.y - reach); y <= std::min(room.last.y, nearest.y + reach); ++y)
+            for (int x = std::max(room.first.x, nearest.x - reach); x <= std::min(room.last.x, nearest.x + reach); ++x) {
                 if (!accepts({x, y})) continue;
                 const double energy = energy_at({x, y}, mesh_.color(v), color);
                 if (energy < least) least = energy, best = {x, y}, best_color = color;

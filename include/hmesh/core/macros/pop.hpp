@@ -3,4 +3,5 @@
 #pragma pop_macro("min")
 #pragma pop_macro("max")
 #pragma pop_macro("Status")
+#pragma pop_macro("check")
 #endif

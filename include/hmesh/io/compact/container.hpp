@@ -213,10 +213,10 @@ inline void put_head(std::vector<std::uint8_t>& out, const CompactHead& head) {
         head.top = in.signed_varint();
         head.frame_width = in.varint();
         head.frame_height = in.varint();
-        constexpr auto far = static_cast<std::int32_t>(CompactHead::widest);
+        constexpr auto widest = static_cast<std::int32_t>(CompactHead::widest);
         if (head.frame_width < 1 || head.frame_height < 1 || head.frame_width > CompactHead::widest ||
-            head.frame_height > CompactHead::widest || head.left < -far || head.left > far || head.top < -far || head.top > far ||
-            head.is_image_framed() || head.periodic == Periodic::none)
+            head.frame_height > CompactHead::widest || head.left < -widest || head.left > widest || head.top < -widest ||
+            head.top > widest || head.is_image_framed() || head.periodic == Periodic::none)
             return refused("the compact file's frame has no size, is too large, or is not that of a periodic mesh");
     }
     if (in.has_failed()) return refused("the compact file ends early or is damaged, in its head");

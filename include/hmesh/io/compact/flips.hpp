@@ -138,11 +138,11 @@ class FlipCoder {
         const std::size_t phase = std::min<std::uint32_t>(round, 3) - 1;
         const Index o = Triangulation::opposite(e);
         const std::size_t fresh = (rounds[e] + 1 == round ? 1U : 0U) + (rounds[o] + 1 == round ? 1U : 0U);
-        std::size_t near =
-            0;  // triangles beyond the four sides that a flip has made, and those of them that one of this round has
+        // Triangles beyond the four sides that a flip has made; of this round's, each is six.
+        std::size_t flipped = 0;
         for (const Index side :
              {mesh.next(e), mesh.next(o), Triangulation::opposite(mesh.previous(e)), Triangulation::opposite(mesh.previous(o))})
-            near += rounds[side] == 0 ? 0U : rounds[side] == round ? 6U : 1U;
+            flipped += rounds[side] == 0 ? 0U : rounds[side] == round ? 6U : 1U;
         const int at_a = angle64(a, d, c), at_b = angle64(b, c, d);
         const auto place = [](int low, int high) {
             return static_cast<std::size_t>(std::min(low, high) / 4 * 16 + std::max(low, high) / 4);
@@ -150,7 +150,7 @@ class FlipCoder {
         return mixer_.code(
             *coder_, value,
             {&angles_[phase * 256 + place(at_c, at_d)], &shapes_[(phase * 16 + slack / 4) * 256 + place(at_a, at_b)],
-             &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + near]},
+             &near_[((phase * 3 + fresh) * 32 + slack / 2) * 32 + flipped]},
             phase * 16 + slack / 4);
     }
 

@@ -40,8 +40,8 @@ struct GridPoint {
     const std::int64_t sa = ax * ax + ay * ay, sb = bx * bx + by * by, sc = cx * cx + cy * cy;
     const std::int64_t pa = bx * cy - cx * by, pb = cx * ay - ax * cy, pc = ax * by - bx * ay;
     // Of distances below 2^15 each product is below 2^61: |p| is at most half of the sum of two squares.
-    constexpr std::int64_t near = std::int64_t{1} << 30;
-    if (sa < near && sb < near && sc < near) {
+    constexpr std::int64_t within = std::int64_t{1} << 30;
+    if (sa < within && sb < within && sc < within) {
         const std::int64_t sum = sa * pa + sb * pb + sc * pc;
         return sum > 0 ? 1 : sum < 0 ? -1 : 0;
     }

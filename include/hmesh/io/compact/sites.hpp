@@ -214,17 +214,17 @@ class SiteCoder {
             if (may.least != may.most) {
                 // The cells before it along both axes have been halved, and the one before along both.
                 std::uint64_t there = 0, corner = 0;
-                std::uint32_t near = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0, corner_half = 0,
-                              far = 0;
+                std::uint32_t before_second = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0,
+                              corner_half = 0, diagonal = 0;
                 if (step(cell, along, false, there)) {
-                    near = halves_[2 * there + 1];
+                    before_second = halves_[2 * there + 1];
                     before = counts_[there];
-                    if (step(there, across, true, corner)) far += counts_[corner];
+                    if (step(there, across, true, corner)) diagonal += counts_[corner];
                 }
                 if (step(cell, along, true, there)) {
                     after = counts_[there];
-                    if (step(there, across, true, corner)) far += counts_[corner];
-                    if (step(there, across, false, corner)) far += counts_[corner];
+                    if (step(there, across, true, corner)) diagonal += counts_[corner];
+                    if (step(there, across, false, corner)) diagonal += counts_[corner];
                 }
                 if (step(cell, across, false, there)) {
                     side_first = halves_[2 * there];
@@ -232,10 +232,11 @@ class SiteCoder {
                     if (step(there, along, false, corner)) corner_half = halves_[2 * corner + 1];
                 }
                 if (step(cell, across, true, there)) beyond = counts_[there];
-                const std::size_t neighbors = upto3(near) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
+                const std::size_t neighbors =
+                    upto3(before_second) << 6 | upto3(after) << 4 | upto3(side_first) << 2 | upto3(side_second);
                 const std::size_t wide = upto7(before) << 5 | upto7(after) << 2 | (std::min<std::size_t>(deeper, 4) - 1);
-                const std::size_t others =
-                    upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 | upto3((far + 1) / 2);
+                const std::size_t others = upto3(side_first + side_second) << 6 | upto3(beyond) << 4 | upto3(corner_half) << 2 |
+                                           upto3((diagonal + 1) / 2);
                 first = tell(may, n, count_first(halving, level, at, n), [&](std::size_t kind, bool bit) {
                     return mixer_.code(*coder_, bit,
                                        {&neighbors_[kind * 256 + neighbors], &wide_[kind * 256 + wide],

@@ -107,8 +107,8 @@ HMESH_ALWAYS_INLINE void for_each_block(const HeightField& field, const FaceCoor
 
 /// The 16th power of each lane, of at most 100.
 [[nodiscard]] HMESH_ALWAYS_INLINE Wide<float> power16(const Wide<float>& off) noexcept {
-    const Wide<float> small = smaller(off, Wide<float>::all(100.0F));
-    const Wide<float> square = small * small, fourth = square * square, eighth = fourth * fourth;
+    const Wide<float> held = smaller(off, Wide<float>::all(100.0F));
+    const Wide<float> square = held * held, fourth = square * square, eighth = fourth * fourth;
     return eighth * eighth;
 }
 
