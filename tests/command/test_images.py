@@ -205,6 +205,7 @@ def damaged_files():
         "mode.psd": ("its PSD colour mode is 9, and hmesh reads 1, 3 and 4", images.psd(mode=9)),
         "xyz.hdr": ("'32-bit_rle_xyze'", hdr), "nan.pfm": ("NaN", b"PF 2 2 -1\n" + struct.pack("<12f", *[float("nan")] * 12)),
         "unknown.heic": ("in no format that hmesh reads", b"\0\0\0\x18ftypheic" + bytes(40)),
+        "text.ppm": ("it is a PNM file of the kind P3, of which hmesh reads P5, P6, Pf and PF", b"P3\n1 1\n255\n1 2 3\n"),
         "signed.tif": ("its samples have 16 bits and a sign", images.tiff(bytes(2592), 16, 2, more={339: (3, [2] * 3)}.items())),
         "long.tif": ("its samples have 32 bits", images.tiff(bytes(5184), 32, 2)),
         "codes.tif": ("libtiff refuses it", images.tiff(bytes(600), 8, 2, more={259: (3, [5])}.items())),

@@ -3,6 +3,7 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import shutil
 import struct
@@ -187,6 +188,7 @@ def test_levels_are_meshes_of_the_image_at_half_the_size_each_and_stand_in_one_p
     assert shares == ["shares_0", "shares_1", "shares_2"]
     finish(hmesh)
     assert "joined     2070 vertices" in hmesh.done("job join job -o whole.ply")  # of level 0
+    assert re.search(r"\nPSNR       \d+\.\d\d dB of the samples", hmesh.done("job join job -o whole.ply"))
     hmesh.done("job join job -o served --format ply -q")
     index = json.loads(read("served/index.json"))
     assert [level["step"] for level in index["levels"]] == [1, 2, 4]
@@ -404,6 +406,7 @@ def test_wrong_usage(hmesh, words, sentence):
 
 def test_help_of_jobs(hmesh):
     assert "hmesh job plan IMAGE -o JOB" in hmesh.done("job --help")
+    assert "\n  JOB                   the job's folder\n" in hmesh.done("job run --help")
     for command in "plan run status join".split():
         assert "Usage: hmesh job " + command in hmesh.done(f"job {command} --help")
 

@@ -1,5 +1,6 @@
 #include "job/receipt.hpp"
 
+#include <cstdio>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <system_error>
@@ -38,7 +39,13 @@ bool parse_checked(const std::vector<unsigned char>& text, Json& values) {
     return check == sha256_of(rest.data(), rest.size());
 }
 
-std::string words_of(const Json& fact) { return fact.is_string() ? fact.get<std::string>() : fact.dump(); }
+std::string words_of(const Json& fact) {
+    if (fact.is_string()) return fact.get<std::string>();
+    if (!fact.is_number_float()) return fact.dump();
+    char text[512];  // 1.8e308 has 309 digits
+    std::snprintf(text, sizeof text, "%.2f", fact.get<double>());
+    return text;
+}
 
 std::string write_receipt(const Folder& folder, const std::string& plan, const std::string& task, const std::vector<Made>& made,
                           const Json& facts) {

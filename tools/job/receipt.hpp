@@ -47,7 +47,7 @@ struct Done {
 };
 [[nodiscard]] Done find_done(const Folder& folder, const std::string& plan, const std::string& task, Look look, Json& facts);
 
-// A fact in words: text as it is, numbers as they stand in the receipt.
+// A fact in words: text and whole numbers as they are, others with two decimals.
 [[nodiscard]] std::string words_of(const Json& fact);
 
 // Reads a file that a task made, if it is as it was. Returns "" or what is wrong, a sentence.

@@ -55,7 +55,9 @@ inline void add_plan_options(CLI::App& app, JobCall& out) {
     add_text(app, "--program", "PATH", "how engines find this program (default: as it was called now)", out.program);
 }
 
-inline void add_folder(CLI::App& app, JobCall& out) { app.add_option("JOB", out.folder, "the job's folder")->required(); }
+inline void add_folder(CLI::App& app, JobCall& out) {
+    app.add_option("JOB", out.folder, "the job's folder")->required()->type_name("");
+}
 
 inline void add_run_options(CLI::App& app, JobCall& out, const char* version_words) {
     begin_job(app, "What is done");

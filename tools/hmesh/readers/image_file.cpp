@@ -33,7 +33,7 @@ std::vector<unsigned char> read_directory(std::FILE* file, Bytes beginning) {
 std::string check_early(std::FILE* file, Bytes beginning) {
     const FileKind kind = kind_of(beginning);
     const bool is_whole = beginning.size < first_read;
-    if (kind == FileKind::unknown && !is_mesh(beginning) && !is_whole) return not_known;
+    if (kind == FileKind::unknown && !is_mesh(beginning) && !is_whole) return not_known(beginning);
     if (kind != FileKind::tiff || is_whole) return check_beginning(beginning);
     if (file == stdin) return {};
     const std::vector<unsigned char> directory = read_directory(file, beginning);

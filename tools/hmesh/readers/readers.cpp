@@ -66,6 +66,13 @@ const char* name_of(FileKind kind) noexcept {
     return "unknown";
 }
 
+std::string not_known(Bytes file) {
+    for (const char* const kind : {"P1", "P2", "P3", "P4", "P7"})
+        if (is_pnm_like(file, kind[1], kind[1]))
+            return std::string("it is a PNM file of the kind ") + kind + ", of which hmesh reads P5, P6, Pf and PF";
+    return "it is in no format that hmesh reads, which --help lists";
+}
+
 std::string check_size(std::int64_t width, std::int64_t height) {
     using hmesh::Errc;
     if (width > INT_MAX) return in_words({Errc::image_too_large, "the image is too wide", width, hmesh::kit::max_side});
@@ -192,7 +199,7 @@ std::string read_bytes_as_image(Bytes file, ImageFile& image) {
         case FileKind::gif: return read_gif(file, image);
         case FileKind::psd: return read_psd(file, image);
     }
-    return is_mesh(file) ? "it is a mesh, and no image" : not_known;
+    return is_mesh(file) ? "it is a mesh, and no image" : not_known(file);
 }
 
 }  // namespace tool

@@ -22,8 +22,8 @@ enum class FileKind : std::uint8_t { unknown, png, jpeg, webp, tiff, pnm, pfm, h
 [[nodiscard]] FileKind kind_of(Bytes file) noexcept;
 // Whether it is a compact file, which is unknown as an image.
 [[nodiscard]] inline bool is_mesh(Bytes file) noexcept { return file.says(0, "\x9dHMC"); }
-// What is said of files that are neither.
-inline constexpr const char* not_known = "it is in no format that hmesh reads, which --help lists";
+// What is said of a file that is neither.
+[[nodiscard]] std::string not_known(Bytes file);
 
 // "PNG": as people call it.
 [[nodiscard]] const char* name_of(FileKind kind) noexcept;

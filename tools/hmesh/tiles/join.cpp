@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "hmesh/mesh/mesh.hpp"
+#include "job/work.hpp"
 #include "results/mesh_file.hpp"
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
@@ -156,7 +157,7 @@ std::string join_into_folder(const TilePlan& plan, const std::string& output, co
                 entry["bytes"] = made.bytes;
                 entry["sha256"] = made.sha256;
             }
-    said = std::to_string(number) + " tiles";
+    said = job::count_of(number, "tile");
     const std::string text = index.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
     return to.write("index.json", text);
 }

@@ -14,6 +14,7 @@
 
 #include "hmesh/core/version.hpp"
 #include "job/sha256.hpp"
+#include "job/work.hpp"
 #include "terrain/job/sides.hpp"
 #include "terrain/job/tasks.hpp"
 #include "writers/output_file.hpp"
@@ -343,7 +344,7 @@ std::string join_into_folder(const Plan& plan, const std::string& output, std::s
             for (const job::Made& made : done.made)
                 if (std::string why = copy(made); !why.empty()) return why;
         }
-    said = std::to_string(copied) + " files copied";
+    said = job::count_of(copied, "file") + " copied";
     if (left > 0) said += ", " + std::to_string(left) + " were there";
     return {};
 }
