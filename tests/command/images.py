@@ -133,6 +133,16 @@ def psd(bits=8, has_runs=False, channels=3, mode=3):
 
 
 # ---- BMP, TGA, GIF beyond Pillow's ----
+def bmp(header=40, top_down=False, masks=()):
+    """Of 24 bits; with masks, those of BGRA, of 32, half transparent where the header has room for the fourth."""
+    lines = rows(lambda x, y: bytes(color(x, y)[::-1]) + (b"\x80" if masks else b""))
+    pixels = b"".join(line + bytes(-len(line) % 4) for line in (lines if top_down else lines[::-1]))
+    head = struct.pack("<IiiHHIIIIII", header, WIDTH, -HEIGHT if top_down else HEIGHT, 1, 32 if masks else 24, 3 if masks else 0,
+                       len(pixels), 0, 0, 0, 0) + struct.pack(f"<{len(masks)}I", *masks)
+    head = head.ljust(header, b"\0")
+    return struct.pack("<2sIHHI", b"BM", 14 + len(head) + len(pixels), 0, 0, 14 + len(head)) + head + pixels
+
+
 def tga(bits=24, kind=2, descriptor=0x20, pixels=None, color_map=b""):
     head = struct.pack("<BBBHHBHHHHBB", 0, 1 if color_map else 0, kind, 0, len(color_map) // 3, 24 if color_map else 0, 0, 0, *SIZE, bits,
                        descriptor)
@@ -149,7 +159,10 @@ def all_files():
         "progressive.jpg": saved(rgb, "JPEG", progressive=True), "cmyk.jpg": saved(picture("CMYK"), "JPEG", quality=95),
         "exif.jpg": saved(rgb, "JPEG", exif=b"Exif\0\0" + exif(6)),
         "rgb.bmp": saved(rgb, "BMP"), "alpha.bmp": saved(rgba, "BMP"), "palette.bmp": saved(palette, "BMP"),
-        "bits.bmp": saved(picture("1"), "BMP"), "rgb.tga": saved(rgb, "TGA"), "runs.tga": saved(rgb, "TGA", compression="tga_rle"),
+        "bits.bmp": saved(picture("1"), "BMP"), "top_down.bmp": bmp(top_down=True),
+        "masks.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0)), "alpha_mask.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0xff000000)),
+        "rgb.tga": saved(rgb, "TGA"), "runs.tga": saved(rgb, "TGA", compression="tga_rle"),
+        "zeros.tga": tga(32, pixels=b"".join(rows(lambda x, y: bytes(color(x, y)[::-1]) + b"\0"))),
         "alpha.tga": saved(rgba, "TGA"), "palette.tga": saved(palette, "TGA"), "grey.tga": saved(grey, "TGA"),
         "rgb.gif": saved(palette, "GIF"), "animated.gif": saved(palette, "GIF", save_all=True, append_images=[palette.rotate(90)]),
         "interlaced.gif": saved(palette, "GIF", interlace=1), "raw.psd": psd(), "runs.psd": psd(has_runs=True), "deep.psd": psd(16),

@@ -30,9 +30,13 @@ WHOLE = rows("""
     alpha.bmp       | 4 |  8 |  1
     palette.bmp     | 3 |  8 | 40
     bits.bmp        | 3 |  8 | -1
+    top_down.bmp    | 3 |  8 |  0
+    masks.bmp       | 3 |  8 |  0
+    alpha_mask.bmp  | 4 |  8 | -1
     rgb.tga         | 3 |  8 |  0
     runs.tga        | 3 |  8 |  0
     alpha.tga       | 4 |  8 |  1
+    zeros.tga       | 3 |  8 |  0
     palette.tga     | 3 |  8 | 40
     grey.tga        | 1 |  8 |  1
     rgb.gif         | 3 |  8 | 40
@@ -263,3 +267,72 @@ def test_help_and_version_say_what_is_read(hmesh):
         assert name in text and re.search(rf"^  .*\b{name}\b.*: \S", version, re.M)
     for kind, _ in LIBRARIES.values():
         assert (kind in text) == (kind in version)
+
+
+@pytest.mark.parametrize("name", ["rgb.png", "rgb.bmp", "rgb.gif", "raw.psd"])
+def test_of_a_file_that_ends_within_its_header_no_size_is_told(hmesh, name):
+    kind = name.rpartition(".")[2]
+    for length in range(8, 24 if kind == "png" else 26 if kind == "bmp" else 10 if kind == "gif" else 22):
+        Path(f"cut.{kind}").write_bytes(FILES[name][:length])
+        hmesh.fails(f"'cut.{kind}': its {kind.upper()} header is cut off", f"cut.{kind} -o x.ply")
+
+
+def test_a_png_for_ios_is_told_as_one(hmesh):
+    whole = FILES["rgb.png"]
+    Path("ios.png").write_bytes(whole[:8] + images.png_chunk(b"CgBI", b"\x50\0\x20\2") + whole[8:])
+    hmesh.fails("it is a PNG file for iOS alone", "ios.png -o x.ply")
+
+
+def exif_of(kind, value):
+    """Big-endian, the orientation as a tag of this type."""
+    return struct.pack(">2sHIHHHI", b"MM", 42, 8, 1, 274, kind, 1) + value + bytes(4)
+
+
+@pytest.mark.parametrize("data", [images.exif(6), exif_of(3, b"\0\6\0\0"), exif_of(4, b"\0\0\0\6")])
+def test_an_orientation_is_a_number_of_16_or_32_bits(hmesh, data):
+    Path("x.png").write_bytes(images.png(images.png_chunk(b"eXIf", data)))
+    assert hmesh.report("x.png --vertices 4")["width"] == images.HEIGHT
+
+
+def test_exif_data_behind_bytes_that_fill_are_found(hmesh):
+    whole = FILES["exif.jpg"]
+    at = whole.index(b"\xff\xe1")
+    Path("x.jpg").write_bytes(whole[:at] + b"\xff\xff" + whole[at:])
+    assert hmesh.report("x.jpg --vertices 4")["width"] == images.HEIGHT
+
+
+@pytest.mark.parametrize("tag", [274, 296])
+def test_tags_that_are_no_pixels_need_not_be_right(hmesh, tag):
+    skip_unless_read(hmesh, "x.tif")
+    Path("x.tif").write_bytes(images.tiff(images.picture().tobytes(), 8, 2, more={tag: (3, [0])}.items()))
+    hmesh.done("x.tif --vertices 4 --effort draft --strip strip.png")
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *images.SIZE))
+    assert list(seen.getdata()) == list(images.picture().getdata())
+
+
+def test_a_palette_may_lie_in_small_tiles(hmesh):
+    skip_unless_read(hmesh, "x.tif")
+    size = 32, 16  # two tiles of 256 bytes
+    tiles = bytes(range(256)) + bytes(range(255, -1, -1))
+    head = {256: (3, [32]), 257: (3, [16]), 258: (3, [8]), 259: (3, [1]), 262: (3, [3]), 277: (3, [1]), 320: (3, [257 * k for k in range(256)] * 3),
+            322: (3, [16]), 323: (3, [16]), 324: (4, [8, 264]), 325: (4, [256, 256])}
+    place, table, after = 8 + len(tiles), b"", b""
+    behind = place + 2 + 12 * len(head) + 4
+    for number, (kind, values) in sorted(head.items()):
+        packed = struct.pack(f"<{len(values)}{'H' if kind == 3 else 'I'}", *values)
+        if len(packed) > 4:
+            packed, after = struct.pack("<I", behind + len(after)), after + packed
+        table += struct.pack("<HHI", number, kind, len(values)) + packed.ljust(4, b"\0")
+    Path("x.tif").write_bytes(struct.pack("<2sHI", b"II", 42, place) + tiles + struct.pack("<H", len(head)) + table + bytes(4) + after)
+    hmesh.done("x.tif --vertices 4 --effort draft --strip strip.png")
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *size))
+    assert [seen.getpixel((x, 3))[0] for x in (0, 15, 16, 31)] == [48, 63, 207, 192]
+
+
+@pytest.mark.parametrize("layers, red", [(b"", 100), (struct.pack(">IhI", 6, 1, 0), 100), (struct.pack(">IhI", 6, -1, 0), 0)])
+def test_colors_of_a_psd_lie_over_white_where_it_has_transparency_and_no_selection(hmesh, layers, red):
+    planes = b"".join(bytes([sample]) * 4 for sample in (100, 150, 200, 128))
+    head = struct.pack(">4sH6xHIIHH", b"8BPS", 1, 4, 2, 2, 8, 3) + bytes(8) + struct.pack(">I", len(layers)) + layers
+    Path("x.psd").write_bytes(head + b"\0\0" + planes)
+    hmesh.done("x.psd --vertices 4 --render r.png")
+    assert Image.open("r.png").getpixel((0, 0))[0] == red

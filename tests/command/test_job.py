@@ -109,7 +109,7 @@ def test_a_folder_of_tiles_has_an_index_and_is_copied_again_where_it_differs(ter
     assert f"{len(TILES) + 2} files copied" in terrain.done("job join job -o served")
     assert tiles("served") == tiles()
     Path("served/0/0001_0001.glb").write_bytes(b"short")
-    assert f"1 files copied, {len(TILES) + 1} were there" in terrain.done("job join job -o served")
+    assert f"1 file copied, {len(TILES) + 1} were there" in terrain.done("job join job -o served")
     assert tiles("served") == tiles()
 
 

@@ -122,14 +122,14 @@ def test_tiff_files_by_tiles(hmesh, planes):
     assert not Path("a.ply").exists()
 
 
-def vrt(name, parts, kind="Byte", channels=3, width=150, height=90, more=""):
+def vrt(name, parts, kind="Byte", channels=3, width=150, height=90, more="", last=""):
     """A mosaic: files, each with the place of its first pixel and its size."""
     def source(k, part):
         file, x, y, w, h = part
         return (f'<SimpleSource><SourceFilename relativeToVRT="1">{file}</SourceFilename><SourceBand>{k}</SourceBand>'
                 f'<SrcRect xOff="0" yOff="0" xSize="{w}" ySize="{h}"/><DstRect xOff="{x}" yOff="{y}" xSize="{w}" ySize="{h}"/></SimpleSource>')
 
-    bands = "".join(f'<VRTRasterBand dataType="{kind}" band="{k}">{more}{"".join(source(k, part) for part in parts)}</VRTRasterBand>'
+    bands = "".join(f'<VRTRasterBand dataType="{kind}" band="{k}">{more or last * (k == channels)}{"".join(source(k, part) for part in parts)}</VRTRasterBand>'
                     for k in range(1, channels + 1))
     Path(name).write_text(f'<VRTDataset rasterXSize="{width}" rasterYSize="{height}">{bands}</VRTDataset>')
 
@@ -150,7 +150,7 @@ def needs_gdal(hmesh):
         pytest.skip("built without GDAL")
 
 
-@pytest.mark.parametrize("kind", ["mosaic", "16 bits", "floats", "grey with alpha", "JPEG 2000"])
+@pytest.mark.parametrize("kind", ["mosaic", "16 bits", "floats", "grey with alpha", "grey and no alpha", "JPEG 2000"])
 def test_what_gdal_reads(hmesh, kind):
     needs_gdal(hmesh)
     name, whole = "image.vrt", "image.ppm"
@@ -164,9 +164,12 @@ def test_what_gdal_reads(hmesh, kind):
         if not has_tiff(hmesh):
             pytest.skip("built without libtiff")
         whole = "image.tif"
-        mode, numbers, channels = {"16 bits": ("I;16", "UInt16", 1), "floats": ("F", "Float32", 1), "grey with alpha": ("LA", "Byte", 2)}[kind]
+        mode, numbers, channels = {"16 bits": ("I;16", "UInt16", 1), "floats": ("F", "Float32", 1)}.get(kind, ("LA", "Byte", 2))
         save_tiff(whole, mode)
-        vrt(name, [(whole, 0, 0, 150, 90)], numbers, channels)
+        vrt(name, [(whole, 0, 0, 150, 90)], numbers, channels, last="<ColorInterp>Alpha</ColorInterp>" * (kind == "grey with alpha"))
+        if kind == "grey and no alpha":
+            Image.open(whole).getchannel("L").save("grey.tif")
+            whole = "grey.tif"
     options = "--vertices 300 --tile 64 --effort draft"
     hmesh.done(f"{whole} {options} --out-of-core -o whole.ply")
     hmesh.done(f"{name} {options} --out-of-core -o read.ply --threads 2")

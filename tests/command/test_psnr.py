@@ -223,3 +223,15 @@ def test_within_the_most_vertices_it_is_the_file_that_misses_the_target(hmesh):
     assert report["vertices"] <= alone["vertices"] // 2
     assert report["psnr_written"]["a.png"] < report["psnr"] == report["psnr_written"]["a.ply"] < 42
     hmesh.done(f"wide.png --effort fast --psnr 42 --max-vertices {2 * free['vertices']} -o a.ply --render a.png")
+
+
+def test_the_summary_names_all_files_that_differ_and_says_of_8_bits_only_where_a_file_has_them(hmesh):
+    values = [k % 7 / 4 for k in range(256)]  # beyond 1, which files do not hold
+    Path("bright.pfm").write_bytes(b"Pf 16 16 -1\n" + struct.pack("<256f", *values))
+    image = Image.open("picture.png").convert("RGBA")
+    image.putalpha(Image.linear_gradient("L").resize(image.size))
+    image.save("alpha.png")
+    said = (hmesh.done("bright.pfm --vertices 100 --effort draft -o x.ply -o x.obj -o x.pdf -o x.eps") +
+            hmesh.done("alpha.png --vertices 200 --effort draft --premultiplied -o x.glb"))
+    ends = dict(re.findall(r"^PSNR .* dB as (\S+) (.*)$", said, re.M))
+    assert ends == {"x.ply": "holds it, colours of 8 bits", **{f"x.{kind}": "holds it" for kind in ["obj", "pdf", "eps", "glb"]}}

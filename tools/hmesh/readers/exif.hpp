@@ -20,7 +20,8 @@ namespace tool {
     const std::size_t table = little ? exif.le32(4) : exif.be32(4);
     for (std::size_t k = 0; k < u16(table) && exif.has(table + 2 + 12 * k, 12); ++k) {
         if (u16(table + 2 + 12 * k) != 274) continue;
-        const unsigned found = u16(table + 10 + 12 * k);
+        const bool is_long = u16(table + 4 + 12 * k) == 4;
+        const unsigned found = u16(table + 10 + 12 * k + (is_long && !little ? 2 : 0));
         return found >= 1 && found <= 8 ? found : 1;
     }
     return 1;
@@ -29,7 +30,7 @@ namespace tool {
 // That of a JPEG file's picture.
 [[nodiscard]] inline unsigned jpeg_orientation(Bytes file) noexcept {
     for (std::size_t at = 2; file.has(at, 18) && file.u8(at) == 0xff && file.u8(at + 1) != 0xda;
-         at += 2 + std::max(2U, file.be16(at + 2)))
+         at += file.u8(at + 1) == 0xff ? 1 : 2 + std::max(2U, file.be16(at + 2)))  // 255s may fill
         if (file.u8(at + 1) == 0xe1 && file.says(at + 4, "Exif\0\0"))
             return tiff_orientation(file.part(at + 10, std::max(8U, file.be16(at + 2)) - 8));
     return 1;

@@ -47,6 +47,10 @@ class GdalFile : public RectangleFile {
             if (library.GDALGetRasterColorInterpretation(band) == GCI_PaletteIndex)
                 return "its samples are numbers of a palette: gdal_translate -expand rgb makes colours of them";
         }
+        // Near infrared, say, is no alpha: left out, as of TIFF files.
+        if (channels_ % 2 == 0 &&
+            library.GDALGetRasterColorInterpretation(library.GDALGetRasterBand(file_, channels_)) != GCI_AlphaBand)
+            --channels_;
         image = {};
         image.width = library.GDALGetRasterXSize(file_);
         image.height = library.GDALGetRasterYSize(file_);

@@ -13,6 +13,7 @@ struct Psd {
     std::size_t width = 0, height = 0, channels = 0, bytes = 0, colors = 0;  // bytes: of a sample
     std::size_t at = 0;                                                      // of the pixels, behind their compression
     bool has_runs = false;
+    bool is_over_white = false;  // the colours, where channel `colors` is their alpha and no selection that was saved
 
     [[nodiscard]] std::size_t row() const { return width * bytes; }
     [[nodiscard]] std::size_t used() const { return std::min(channels, colors + (colors < 4 ? 1 : 0)); }  // with alpha
@@ -32,6 +33,16 @@ bool unpack(Bytes packed, unsigned char* row, std::size_t size) {
         done += count;
     }
     return done == size;
+}
+
+// Whether the first extra channel is the picture's transparency, as a negative number of layers says: of this section, or with
+// 16 bits of a block behind it.
+bool has_transparency(Bytes layers) {
+    if (layers.be32(0) != 0) return layers.be16(4) > 0x7fff;
+    for (std::size_t at = 8 + std::size_t{layers.be32(4)}; layers.has(at, 12);
+         at += 12 + (std::size_t{layers.be32(at + 8)} + 3) / 4 * 4)
+        if (layers.says(at + 4, "Mt16") || (layers.says(at + 4, "Lr16") && layers.be16(at + 12) > 0x7fff)) return true;
+    return false;
 }
 
 std::string read_header(Bytes file, Psd& psd) {
@@ -54,6 +65,7 @@ std::string read_header(Bytes file, Psd& psd) {
         const std::size_t size = file.be32(psd.at);
         if (!file.has(psd.at, 4) || !file.has(psd.at + 4, size))
             return "its section at byte " + std::to_string(psd.at) + " is cut off";
+        psd.is_over_white = section == 2 && has_transparency(file.part(psd.at + 4, size));
         psd.at += 4 + size;
     }
     if (!file.has(psd.at, 2)) return "the file ends before its pixels";
@@ -109,7 +121,7 @@ void take_planes(const Psd& psd, const std::vector<unsigned char>& planes, std::
             cmyk_to_rgb(pixel, 1, true, to.data() + 3 * i);
             continue;
         }
-        if (used > psd.colors) take_white_away(pixel, psd.colors);
+        if (used > psd.colors && psd.is_over_white) take_white_away(pixel, psd.colors);
         std::copy_n(pixel, used, to.data() + used * i);
     }
 }

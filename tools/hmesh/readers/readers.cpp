@@ -87,6 +87,8 @@ std::string check_beginning(Bytes file) {
     std::int64_t width = -1, height = -1;
     switch (kind_of(file)) {
         case FileKind::png:
+            if (file.says(12, "CgBI")) return "it is a PNG file for iOS alone";
+            if (!file.says(12, "IHDR") || !file.has(16, 8)) return "its PNG header is cut off";
             width = file.be32(16);
             height = file.be32(20);
             break;
@@ -102,6 +104,7 @@ std::string check_beginning(Bytes file) {
                                                                                              : file.be32(4)),
                                         file.u8(0) == 'I');
         case FileKind::bmp:
+            if (!file.has(14, 12)) return "its BMP header is cut off";
             width = file.le32(14) == 12 ? file.le16(18) : file.le32(18);
             height = file.le32(14) == 12 ? file.le16(20) : file.le32(22);
             if (height > INT_MAX) height = (std::int64_t{1} << 32) - height;  // from top to bottom
@@ -111,10 +114,12 @@ std::string check_beginning(Bytes file) {
             height = file.le16(14);
             break;
         case FileKind::gif:
+            if (!file.has(6, 4)) return "its GIF header is cut off";
             width = file.le16(6);
             height = file.le16(8);
             break;
         case FileKind::psd:
+            if (!file.has(14, 8)) return "its PSD header is cut off";
             width = file.be32(18);
             height = file.be32(14);
             break;

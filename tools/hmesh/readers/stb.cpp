@@ -80,10 +80,9 @@ bool is_run_of_bits(std::uint32_t mask) {
 
 std::string check_masks(Bytes file, const Bmp& bmp) {
     if (file.le32(30) != 3) return {};
-    const std::uint32_t alpha = bmp.header >= 108 ? file.le32(66) : 0;
+    const std::uint32_t alpha = bmp.header >= 56 ? file.le32(66) : 0;
     for (const std::size_t at : {54U, 58U, 62U})
-        if (!is_run_of_bits(file.le32(bmp.header == 56 ? at + 16 : at)))
-            return "its BMP header has a mask that is no run of 1 to 8 bits";
+        if (!is_run_of_bits(file.le32(at))) return "its BMP header has a mask that is no run of 1 to 8 bits";
     return alpha == 0 || is_run_of_bits(alpha) ? "" : "its BMP header has a mask of alpha that is no run of 1 to 8 bits";
 }
 
@@ -128,6 +127,16 @@ std::string check_bmp(Bytes file) {
     const std::size_t end = bmp.pixels_at + bmp.row * static_cast<std::size_t>(bmp.height - 1) + bmp.used;
     if (end > file.size) return too_short(file.size, end);
     return bmp.bits <= 8 ? check_palette(file, bmp) : check_masks(file, bmp);
+}
+
+// The same file with a header of 108 bytes in place of 56, of which no more is read: of 56 stb_image takes the masks from behind.
+std::vector<unsigned char> with_long_header(Bytes file) {
+    std::vector<unsigned char> out(file.data, file.data + file.size);
+    out.insert(out.begin() + 70, 52, 0);
+    out[14] = 108;
+    const std::uint32_t pixels_at = file.le32(10) + 52;
+    for (unsigned k = 0; k < 4; ++k) out[10 + k] = static_cast<unsigned char>(pixels_at >> (8 * k));
+    return out;
 }
 
 // --- TGA: Truevision's specification, version 2.0 ---
@@ -269,6 +278,17 @@ std::string check_gif(Bytes file, std::size_t& frames) {
     return "the file ends before its trailer";
 }
 
+// Of a file whose header knows no alpha, the fourth bytes are alpha all the same, as most programs that leave this out mean it,
+// unless all are 0: no picture is meant to be invisible.
+void drop_unsaid_alpha(ImageFile& image) {
+    if (image.channels != 4) return;
+    std::vector<std::uint8_t>& samples = image.samples8;
+    for (std::size_t k = 3; k < samples.size(); k += 4)
+        if (samples[k] != 0) return;
+    for (std::size_t k = 3; k < samples.size(); k += 4) samples[k] = 255;
+    drop_opaque_alpha(image);
+}
+
 }  // namespace
 
 std::string decode_stb(Bytes file, ImageFile& image) {
@@ -279,6 +299,7 @@ std::string decode_stb(Bytes file, ImageFile& image) {
         return std::string("stb_image refuses it: ") + stbi_failure_reason();
     if (channels < 1 || channels > 4) return "it has " + std::to_string(channels) + " channels, not 1 to 4";
     const int bits = stbi_is_16_bit_from_memory(file.data, size) != 0 ? 16 : 8;
+    if (height < 0 && height > INT_MIN) height = -height;  // of a BMP file from top to bottom
     if (std::string why = start_image(image, width, height, channels, bits); !why.empty()) return why;
     int w = 0, h = 0, c = 0;  // asked for as many channels as there are, which are the same again
     if (bits == 16) return take(stbi_load_16_from_memory(file.data, size, &w, &h, &c, channels), image.samples16);
@@ -287,7 +308,12 @@ std::string decode_stb(Bytes file, ImageFile& image) {
 
 std::string read_bmp(Bytes file, ImageFile& image) {
     std::string why = check_bmp(file);
-    if (why.empty()) why = decode_stb(file, image);
+    if (why.empty() && file.le32(14) == 56) {
+        const std::vector<unsigned char> same = with_long_header(file);
+        why = decode_stb({same.data(), same.size()}, image);
+    } else if (why.empty()) {
+        why = decode_stb(file, image);
+    }
     if (why.empty()) drop_opaque_alpha(image);
     return why;
 }
@@ -295,6 +321,7 @@ std::string read_bmp(Bytes file, ImageFile& image) {
 std::string read_tga(Bytes file, ImageFile& image) {
     std::string why = check_tga(file);
     if (why.empty()) why = decode_stb(file, image);
+    if (why.empty() && (file.u8(17) & 15U) == 0) drop_unsaid_alpha(image);
     if (why.empty() && (file.u8(17) & 16U) != 0) turn_upright(2, image);  // rows from right to left
     return why;
 }

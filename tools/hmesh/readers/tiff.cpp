@@ -34,6 +34,7 @@ namespace {
 struct TiffSource {
     Bytes file;
     const FileAt* large = nullptr;  // in place of that
+    bool is_mapped = false;         // the former: libtiff is given its bytes where they lie
     std::uint64_t at = 0;
     std::string why;
 
@@ -46,6 +47,14 @@ struct TiffSource {
         source.at += part.size;
         return static_cast<tmsize_t>(part.size);
     }
+    static int map(thandle_t handle, void** to, toff_t* count) {
+        const TiffSource& source = of(handle);
+        if (!source.is_mapped) return 0;
+        *to = const_cast<unsigned char*>(source.file.data);  // it is not written to
+        *count = source.file.size;
+        return 1;
+    }
+    static void unmap(thandle_t /*handle*/, void* /*from*/, toff_t /*count*/) {}
     static tmsize_t write(thandle_t /*handle*/, void* /*from*/, tmsize_t /*count*/) { return -1; }
     static toff_t seek(thandle_t handle, toff_t to, int whence) {
         TiffSource& source = of(handle);
@@ -73,6 +82,9 @@ struct TiffSource {
         if (handle == nullptr || !of(handle).why.empty()) return;
         char text[512];
         std::vsnprintf(text, sizeof text, format, values);
+        // These are no pixels: libtiff goes on as if they were not there.
+        for (const char* name : {"\"Orientation\"", "\"ResolutionUnit\""})
+            if (std::strstr(text, name) != nullptr) return;
         of(handle).why = std::string("libtiff refuses it: ") + text + (module != nullptr ? std::string(" (") + module + ")" : "");
     }
     // Of tags that nobody knows, or that are in no order, there are many. Decoders warn of pixels.
@@ -88,8 +100,8 @@ Tiff open_tiff(TiffSource& source) {
     TIFFSetWarningHandler(nullptr);
     TIFFSetErrorHandlerExt(TiffSource::hear_error);
     TIFFSetWarningHandlerExt(TiffSource::hear_warning);
-    return {TIFFClientOpen("TIFF", "rm", &source, TiffSource::read, TiffSource::write, TiffSource::seek, TiffSource::close,
-                           TiffSource::size, nullptr, nullptr),
+    return {TIFFClientOpen("TIFF", "r", &source, TiffSource::read, TiffSource::write, TiffSource::seek, TiffSource::close,
+                           TiffSource::size, TiffSource::map, TiffSource::unmap),
             TIFFClose};
 }
 
@@ -454,8 +466,15 @@ std::string read_page(TIFF* tiff, std::size_t file_size, ImageFile& image, Layou
 std::string read_tiff(Bytes file, ImageFile& image) {
     TiffSource source;
     source.file = file;
-    const Tiff tiff = open_tiff(source);
+    Tiff tiff = open_tiff(source);
     if (tiff == nullptr) return source.why.empty() ? "libtiff refuses its header" : source.why;
+    // Of tiles that are not compressed libtiff's way to RGB refuses those that do not fill its own buffer, of whole kilobytes.
+    if (TIFFIsTiled(tiff.get()) != 0 && !read_layout(tiff.get()).is_plain()) {
+        source.is_mapped = true;
+        source.at = 0;
+        tiff = open_tiff(source);
+        if (tiff == nullptr) return source.why.empty() ? "libtiff refuses its header" : source.why;
+    }
     Layout layout;
     std::string why = read_page(tiff.get(), file.size, image, layout);
     if (!source.why.empty()) why = source.why;  // it may have gone on

@@ -10,6 +10,15 @@
 #include "terminal/words.hpp"
 
 namespace tool {
+namespace {
+
+// Whether a file holds colours of 8 bits.
+bool has_bytes(const std::string& ending, const Arguments& arguments, int bits) {
+    if (ending == ".glb") return arguments.glb_color_bits == 8;
+    return ending != ".obj" && (bits == 8 || (ending != ".pdf" && ending != ".eps" && ending != ".hmc"));
+}
+
+}  // namespace
 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
     const auto& [outcome, light, sprite] = made.finest();
@@ -36,9 +45,12 @@ void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& i
         std::fprintf(to, "PSNR .glb %s as its viewers show it, in linear light; %s with --fit-space each or linear\n",
                      psnr_text(light->stored_psnr).c_str(), psnr_text(light->psnr).c_str());
     for (const WrittenPsnr& file : made.written)
-        if ((file.ending != ".glb" || arguments.glb_color_bits == 8) && psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
+        if ((file.ending != ".glb" || !light || arguments.glb_color_bits == 8) &&
+            psnr_text(file.psnr) != psnr_text(outcome.report.psnr))
             std::fprintf(to, "PSNR      %s as %s %s\n", psnr_text(file.psnr).c_str(), output_name(file.file).c_str(),
-                         file.ending == ".png" ? "shows it, rounded to 8 bits" : "holds it, colours of 8 bits");
+                         file.ending == ".png"                           ? "shows it, rounded to 8 bits"
+                         : has_bytes(file.ending, arguments, image.bits) ? "holds it, colours of 8 bits"
+                                                                         : "holds it");
     for (std::size_t k = 1; k < made.levels.size(); ++k) {
         const hmesh::Report& report = made.levels[k].outcome.report;
         std::fprintf(to, "level %-2zu  %zu vertices, %zu faces, %s\n", k, report.vertices, report.faces,
