@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
@@ -402,4 +403,45 @@ TEST_CASE("a mesh that is not one of the image is refused and left as it was") {
     check_refused(mesh);
     mesh = good, std::swap(mesh.faces[3][0], mesh.faces[3][1]);
     check_refused(mesh);
+}
+
+TEST_CASE("images, weights and options that cannot be are refused, and the mesh is left as it was") {
+    const auto image = contrasty<float, 3>(12, 12, 3);
+    const Mesh good = jittered(image, 3, 3);
+    const auto refusal = [&](const hmesh::ImageView<float, 3>& view, const LinearLightOptions& options) {
+        Mesh mesh = good;
+        const LinearLightReport report = fit_linear_light(mesh, view, options);
+        CHECK((report.status ? 0 : std::strlen(report.status.what)) > 15);
+        CHECK(mesh.colors == good.colors);
+        CHECK(report.energy == 0);
+        return report.status.code;
+    };
+    hmesh::ImageView<float, 3> view = image.view();
+    view.data = nullptr;
+    CHECK(refusal(view, {}) == Errc::invalid_argument);
+    view = image.view(), view.row_stride = 4;
+    CHECK(refusal(view, {}) == Errc::invalid_argument);
+    Image<float, 3> bad = image;
+    bad.pixel(3, 3)[1] = std::numeric_limits<float>::quiet_NaN();
+    CHECK(refusal(bad.view(), {}) == Errc::not_finite);
+
+    LinearLightOptions options;
+    const Image<float, 1> small(4, 4);
+    options.weights = small.view();
+    CHECK(refusal(image.view(), options) == Errc::invalid_argument);
+    Image<float, 1> weights(12, 12);
+    weights.pixel(0, 11)[0] = -1;
+    options.weights = weights.view();
+    CHECK(refusal(image.view(), options) == Errc::invalid_argument);
+    weights.pixel(0, 11)[0] = std::numeric_limits<float>::infinity();
+    CHECK(refusal(image.view(), options) == Errc::not_finite);
+
+    options = {}, options.iterations = -1;
+    CHECK(refusal(image.view(), options) == Errc::invalid_argument);
+    for (double LinearLightOptions::*const option :
+         {&LinearLightOptions::min_gain, &LinearLightOptions::ridge, &LinearLightOptions::grid})
+        for (const double value : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+            options = {}, options.*option = value;
+            CHECK(refusal(image.view(), options) == Errc::invalid_argument);
+        }
 }
