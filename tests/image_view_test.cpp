@@ -24,6 +24,20 @@ using hmesh_test::samples_of;
 static_assert(std::is_aggregate_v<ImageView<std::uint8_t, 3>>);
 static_assert(std::is_trivially_copyable_v<ImageView<float, 16>>);
 
+// Larger than a cache line: a height among other numbers.
+struct Record {
+    double height = 0;
+    double others[9] = {};
+};
+
+template <>
+struct hmesh::PixelTraits<Record> {
+    static constexpr double peak = 1, lowest = 0, highest = 1;
+    static constexpr bool is_integer = false;
+    static double to_real(const Record& value) noexcept { return value.height; }
+    static Record from_real(double value) noexcept { return {value, {}}; }
+};
+
 template <>
 struct hmesh::PixelTraits<double> {
     static constexpr double peak = 1, lowest = -1e308, highest = 1e308;
@@ -273,4 +287,12 @@ TEST_CASE("the test scene is the same picture in every sample type, and has flat
     CHECK(steep > 100);
     CHECK(flat > 3000);
     CHECK(samples_of(hmesh_test::scene<std::uint8_t, 3>(60, 40, 6)) != samples_of(bytes));
+}
+
+TEST_CASE("pixels are read of samples of any size") {
+    Image<Record, 2> image(3, 2);
+    for (std::size_t i = 0; i < image.size(); ++i) image.data()[i].height = static_cast<double>(i);
+    std::vector<double> read(6);
+    hmesh::kit::read_pixels(image.view(), 0, 1, 3, read.data());
+    CHECK(read == std::vector<double>{6, 7, 8, 9, 10, 11});
 }

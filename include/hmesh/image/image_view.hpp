@@ -120,6 +120,8 @@ struct ImageView {
 /// An image that owns its pixels: packed rows of C interleaved samples of type T. Default-constructed it is empty.
 template <class T, int C>
 class Image {
+    static_assert(!std::is_same_v<std::remove_cv_t<T>, bool>, "an image owns no samples of type bool: take a struct of one");
+
   public:
     /// The empty image.
     Image() = default;
@@ -192,7 +194,8 @@ template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);
     const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
-    for (int i = 0; i < count * C; i += 64 / static_cast<int>(sizeof(T))) HMESH_PREFETCH(later + i);
+    constexpr int in_line = sizeof(T) < 64 ? static_cast<int>(64 / sizeof(T)) : 1;  // samples may be larger than a cache line
+    for (int i = 0; i < count * C; i += in_line) HMESH_PREFETCH(later + i);
     for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
 }
 
