@@ -270,6 +270,7 @@ TEST_CASE("groups that do not describe the mesh are refused with their number, a
     hmesh::MeshView multiplied = mesh.view();
     multiplied.premultiplied = true;
     CHECK(check(view(material), multiplied).code == hmesh::Errc::invalid_argument);
+    CHECK(check(ChannelGroups{nullptr, 2}, mesh.view()).value == 2);
     hmesh::Mesh broken = mesh;
     broken.colors[5] = std::numeric_limits<float>::quiet_NaN();
     hmesh::GltfOptions options;

@@ -202,6 +202,15 @@ TEST_CASE("images of all sizes and kinds of samples fit") {
     }
 }
 
+TEST_CASE("a mesh to start from is refused by a sentence that speaks of it") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 40, 1);
+    const hmesh::Mesh mesh = hmesh::mesh_image(image.view(), {}, quick()).mesh;
+    hmesh::Annealed recipe = quick();
+    recipe.start = &mesh;
+    const CompactImage out = compact_image(image.view(), bytes(300), recipe);
+    CHECK((out.status.code == Errc::invalid_argument && !out.status.has_value && out.bytes.empty()));
+}
+
 TEST_CASE("an image without alpha cannot be premultiplied") {
     CompactImageOptions options = bytes(300);
     options.premultiplied = true;

@@ -71,7 +71,7 @@ template <class T, int C>
 /// HMESH_IMPLEMENTATION, outside of any namespace.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
 /// Compiles mesh_image() with the recipe type RECIPE for images of C channels of type T, as HMESH_INSTANTIATE does for the
-/// default one.
+/// default one. Not for Bounded, which is compiled in each file that calls it.
 #define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                         \
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);

@@ -104,6 +104,7 @@ namespace detail {
     const auto bad = [](const char* what, std::size_t value, std::size_t limit) {
         return Status(Errc::invalid_argument, what, static_cast<std::int64_t>(value), static_cast<std::int64_t>(limit));
     };
+    if (groups.groups == nullptr) return bad("the pointer to the groups of channels is null, of their number", groups.count, 0);
     if (mesh.premultiplied) return bad("a mesh with groups of channels must have straight colours", 0, 0);
     std::size_t channels = 0, normals = 0;
     for (std::size_t i = 0; i < groups.count; ++i) {
