@@ -127,7 +127,13 @@ int main(int argc, char** argv) {
         std::printf("drawn: %.3f dB; I(V) K is the same to %.0e\n", hmesh::psnr(picture.view(), drawn.view()), difference);
         if (difference > 1e-3) return 1;  // colours of a Mesh are floats
         const Picture pixels = hmesh::to_pixels<std::uint8_t>(drawn);
-        if (stbi_write_png(argv[1], picture.width(), picture.height(), 3, pixels.data(), 0) == 0) {
+        // Not stbi_write_png(), which does not see that a disk is full.
+        std::FILE* const file = std::fopen(argv[1], "wb");
+        const auto put = [](void* to, void* bytes, int size) {
+            std::fwrite(bytes, 1, static_cast<std::size_t>(size), static_cast<std::FILE*>(to));
+        };
+        if (file == nullptr || stbi_write_png_to_func(put, file, picture.width(), picture.height(), 3, pixels.data(), 0) == 0 ||
+            std::fflush(file) != 0 || std::ferror(file) != 0 || std::fclose(file) != 0) {
             std::fprintf(stderr, "building_blocks: cannot write '%s'\n", argv[1]);
             return 1;
         }

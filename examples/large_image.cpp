@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
         return 2;
     }
     std::ifstream file(argv[1], std::ios::binary);
+    if (!file) return fail(argv[1], "cannot be opened");
     const bool is_ppm = file.get() == 'P' && file.get() == '6';
     const int width = read_number(file), height = read_number(file), most = read_number(file);
     if (!is_ppm || width < 1 || height < 1 || most != 255) return fail(argv[1], "no PPM file of 8 bits");
