@@ -2775,6 +2775,7 @@ namespace detail {
     const auto bad = [](const char* what, std::size_t value, std::size_t limit) {
         return Status(Errc::invalid_argument, what, static_cast<std::int64_t>(value), static_cast<std::int64_t>(limit));
     };
+    if (groups.groups == nullptr) return bad("the pointer to the groups of channels is null, of their number", groups.count, 0);
     if (mesh.premultiplied) return bad("a mesh with groups of channels must have straight colours", 0, 0);
     std::size_t channels = 0, normals = 0;
     for (std::size_t i = 0; i < groups.count; ++i) {
@@ -6090,6 +6091,8 @@ struct ImageView {
 /// An image that owns its pixels: packed rows of C interleaved samples of type T. Default-constructed it is empty.
 template <class T, int C>
 class Image {
+    static_assert(!std::is_same_v<std::remove_cv_t<T>, bool>, "an image owns no samples of type bool: take a struct of one");
+
   public:
     /// The empty image.
     Image() = default;
@@ -6162,7 +6165,8 @@ template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);
     const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
-    for (int i = 0; i < count * C; i += 64 / static_cast<int>(sizeof(T))) HMESH_PREFETCH(later + i);
+    constexpr int in_line = sizeof(T) < 64 ? static_cast<int>(64 / sizeof(T)) : 1;  // samples may be larger than a cache line
+    for (int i = 0; i < count * C; i += in_line) HMESH_PREFETCH(later + i);
     for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
 }
 
@@ -7331,7 +7335,7 @@ template <class T, int C>
 /// HMESH_IMPLEMENTATION, outside of any namespace.
 #define HMESH_INSTANTIATE(T, C) HMESH_INSTANTIATE_RECIPE(T, C, ::hmesh::Annealed)
 /// Compiles mesh_image() with the recipe type RECIPE for images of C channels of type T, as HMESH_INSTANTIATE does for the
-/// default one.
+/// default one. Not for Bounded, which is compiled in each file that calls it.
 #define HMESH_INSTANTIATE_RECIPE(T, C, RECIPE)                                                                         \
     template ::hmesh::Result hmesh::mesh_image<T, C, RECIPE>(const ::hmesh::ImageView<T, C>&, const ::hmesh::Options&, \
                                                              const RECIPE&, const ::hmesh::ParallelFor&);
@@ -17334,10 +17338,10 @@ namespace hmesh {
 /// Options of fit_linear_light().
 struct LinearLightOptions {
     int iterations = 6;  ///< Gauss-Newton steps a channel at most, >= 0; 0 only measures the error
-    /// A channel is done when a step lowers its error by this share of it or less; 1e-4 is 4e-4 dB.
+    /// A channel is done when a step lowers its error by this share of it or less, finite and >= 0; 1e-4 is 4e-4 dB.
     double min_gain = 1e-4;
     double ridge = MeshLimits().ridge;  ///< weight of the current colour against a step, in pixels; see MeshLimits::ridge
-    double grid = 0;                    ///< colours become multiples of this, in stored values; 0: any value
+    double grid = 0;                    ///< colours become multiples of this, in stored values, finite; 0: any value
     ImageView<float, 1> weights;        ///< per-pixel weights >= 0 of the image's size (Options::weights); empty: all 1
 };
 
@@ -17548,6 +17552,22 @@ class LinearLight {
     Array<CornerSums<1>> corners_;  ///< of the last measure(); `image` holds sums of - e' r lambda
 };
 
+/// Whether the options are in range, for an image of this size: invalid_argument with the first that is not, or what
+/// check_weights() says.
+[[nodiscard]] HMESH_COLD inline Status check_options(const LinearLightOptions& options, int width, int height,
+                                                     const ParallelFor& parallel_for) {
+    if (options.iterations < 0)
+        return {Errc::invalid_argument, "the steps of a fit to linear light must be at least 0", options.iterations, 0};
+    const auto is_good = [](double value) { return is_finite(value) && value >= 0; };
+    if (!is_good(options.min_gain))
+        return {Errc::invalid_argument, "min_gain of a fit to linear light must be finite and at least 0", options.min_gain};
+    if (!is_good(options.ridge))
+        return {Errc::invalid_argument, "ridge of a fit to linear light must be finite and at least 0", options.ridge};
+    if (!is_good(options.grid))
+        return {Errc::invalid_argument, "the grid of a fit to linear light must be finite and at least 0", options.grid};
+    return check_weights(options.weights, width, height, parallel_for);
+}
+
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
 /// for_each_span() stays within the image. Fills `topology` with the mesh's connectivity.
 [[nodiscard]] HMESH_COLD inline Status check_fit(const Mesh& mesh, int channels, int width, int height, HalfedgeMesh& topology) {
@@ -17629,19 +17649,22 @@ class LinearLight {
 /// Positions and faces stay, and the copies of a vertex on the border of a periodic mesh keep one colour. Colours remain stored
 /// values, in [0, peak]; the current ones, held to that range, are the start, and the error never rises.
 ///
-/// `view`: the image that was meshed, of the mesh's size and channels; `view` and `options.weights` must be such as check(),
-/// check_finite() and check_weights() accept. `go_on(share)`, where given, is called before each step with the share of the work
-/// done, in [0, 1); false stops the fit, and the report is still true of the mesh.
+/// `view`: the image that was meshed, of the mesh's size and channels. `go_on(share)`, where given, is called before each step
+/// with the share of the work done, in [0, 1); false stops the fit, and the report is still true of the mesh.
 ///
-/// Status: Errc::invalid_argument, with the mesh unchanged, where the mesh is not one of this image (channels, size, a position
-/// outside, a face without positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for
-/// each of some 5 passes; 0.5 KB a vertex.
+/// Status, with the mesh unchanged: what mesh_image() says of an image and of weights that it refuses; Errc::invalid_argument
+/// for an option out of range, and where the mesh is not one of this image (channels, size, a position outside, a face without
+/// positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for each of some 5 passes;
+/// 0.5 KB a vertex.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
     LinearLightReport report;
     kit::HalfedgeMesh topology;
-    report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
+    report.status = check(view);
+    if (report.status) report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
+    if (report.status) report.status = kit::detail::check_options(options, view.width, view.height, parallel_for);
+    if (report.status) report.status = kit::check_finite(view, parallel_for);
     if (!report.status) return report;
     const kit::ViewSamples<T, C> read{view};
     return kit::detail::fit_light(mesh, topology, read, options, parallel_for, go_on);

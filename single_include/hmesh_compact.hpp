@@ -4211,10 +4211,12 @@ template <class T, int C>
 ///
 /// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
 /// \param options       how many bytes, and which profile
-/// \param recipe        how much work goes into the last meshes, and all else about them
+/// \param recipe        how much work goes into the last meshes, and all else about them; start must be null
 /// \param parallel_for  executor
 /// \return              the file and its mesh; or no bytes and the status of mesh_image(), cancelled among them, or
 ///                      target_out_of_range with the number of bytes that 4 vertices take
+///
+/// Where HMESH_COMPILED is defined it needs HMESH_INSTANTIATE(std::uint8_t, C), whatever T is: see mesh_image.hpp.
 template <class T, int C>
 [[nodiscard]] CompactImage compact_image(const ImageView<T, C>& view, const CompactImageOptions& options = {},
                                          const Annealed& recipe = {}, const ParallelFor& parallel_for = {}) {
@@ -4223,6 +4225,8 @@ template <class T, int C>
     out.status = check(view);
     if (out.status) out.status = detail::check(detail::compact_options(options));
     if (out.status && options.premultiplied) out.status = kit::check_premultiplied(C);
+    if (out.status && recipe.start != nullptr)
+        out.status = {Errc::invalid_argument, "an image in so many bytes is meshed anew: there is no mesh to start from"};
     if (out.status) out.status = kit::check_finite(view, parallel_for);
     if (!out.status) return out;
     if constexpr (C % 2 == 0) {
