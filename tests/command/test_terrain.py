@@ -8,6 +8,7 @@ import shutil
 import signal
 import struct
 import subprocess
+import zlib
 from pathlib import Path
 
 import pytest
@@ -230,6 +231,88 @@ def test_an_asc_says_where_it_is(terrain, center):
         assert (min(v[0] for v in vertices), max(v[0] for v in vertices), max(v[1] for v in vertices)) == (0, 330, 240)
 
 
+CORNERS = [("xllcenter 100 yllcorner 200", 100, 205), ("xllcorner 100 yllcenter 200", 105, 200)]
+
+
+@pytest.mark.parametrize("corner, x, y", CORNERS)
+def test_an_asc_may_say_a_centre_one_way_and_a_corner_the_other(terrain, corner, x, y):
+    Path("dem.asc").write_text(f"ncols 2 nrows 3 {corner} cellsize 10 1 2 3 4 5 6")
+    assert report_of(terrain, "dem.asc --no-gdal -o x.ply --max-error 0")["coordinates"]["origin"] == [x, y]
+
+
+def test_cells_of_an_asc_without_a_corner_have_their_size(terrain):
+    Path("dem.asc").write_text("ncols 2\nnrows 3\ncellsize 10\n1 2\n3 4\n5 6\n")
+    for reader in readers(terrain):
+        terrain.done(f"dem.asc {reader} -o x.ply --max-error 0")
+        assert max(v[1] for v in read_model("x.ply").vertices) == 20
+
+
+@pytest.mark.parametrize("heights", ["1 2 3 4 5 6", "1.5 2 3 4 5 6", "1 2 3 4 5 nan"])
+def test_a_height_is_not_no_data_because_nan_is(terrain, heights):
+    Path("dem.asc").write_text("ncols 2\nnrows 3\nxllcorner 0\nyllcorner 0\ncellsize 1\nNODATA_value nan\n" + heights + "\n")
+    for reader in readers(terrain):
+        report = report_of(terrain, f"dem.asc {reader} -o x.ply --max-error 0")
+        assert report["no_data"]["samples"] == heights.count("nan")
+
+
+def test_heights_of_an_asc_are_held_to_the_bound_as_its_text_has_them(terrain):
+    write("dem.asc", dems.asc([[20000000.3, 20000000.3], [20000000.3, 5000000000]]))
+    for reader in readers(terrain):
+        report = report_of(terrain, f"dem.asc {reader} -o x.ply --max-error 1")
+        assert report["max_error"] == pytest.approx(0.3) and max(v[2] for v in read_model("x.ply").vertices) == 5e9
+        terrain.fails("cannot keep --max-error 0:", f"dem.asc {reader} -o x.ply --max-error 0")
+
+
+DEGREES = 'GEOGCS["E",DATUM["D",SPHEROID["S",{},{}]],PRIMEM["G",0],UNIT["u",{}]]'.format
+PRJS = {"feet": 'PROJCS["P",' + DEGREES(6378137, 298.257222101, 0.0174532925199433) + ',PROJECTION["Transverse_Mercator"],'
+                'PARAMETER["latitude_of_origin",40],PARAMETER["central_meridian",9],PARAMETER["scale_factor",1],'
+                'PARAMETER["false_easting",0],PARAMETER["false_northing",0],UNIT["US survey foot",0.304800609601219]]',
+        "ellipsoid": DEGREES(6300000, 280, 0.0174532925199433), "gons": DEGREES(6378137, 298.257222101, 0.0157079632679489),
+        "compound": 'COMPD_CS["c",' + DEGREES(6378137, 298.257223563, 0.0174532925199433) +
+                    ',VERT_CS["v",VERT_DATUM["d",2005],UNIT["metre",1]]]'}
+METRES = {"feet": (1200 / 3937, 1200 / 3937), "ellipsoid": (77835.214, 109758.986), "gons": (84722.434, 111044.950),
+          "compound": (78791.955, 111132.559)}
+
+
+@pytest.mark.parametrize("name", PRJS)
+def test_metres_of_an_asc_are_by_its_prj(terrain, name):
+    write("dem.asc", dems.asc(ground(9, 9), (10, 45), 0.01, center=True))
+    Path("dem.prj").write_text(PRJS[name])
+    for reader in readers(terrain):
+        metres = report_of(terrain, f"dem.asc {reader} -o x.ply --max-error 9")["coordinates"]["metres_of_unit"]
+        assert metres == pytest.approx(METRES[name], rel=1e-7), reader
+
+
+def test_a_prj_of_arcinfo_is_not_taken_for_metres(terrain):
+    write("dem.asc", dems.asc(ground(9, 9), (10, 45), 0.01))
+    Path("dem.prj").write_text("Projection    GEOGRAPHIC\nDatum WGS84\nUnits DD\nParameters\n")
+    terrain.fails("'dem.prj' is one of ArcInfo", "dem.asc --no-gdal -o x.ply --max-error 9")
+
+
+def png_of(depth, rows, chunks=b""):
+    def chunk(name, data):
+        return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+
+    head = struct.pack(">IIBBBBB", 4, 2, depth, 0, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunks + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+EXIF = b"II*\0\x08\0\0\0\1\0" + struct.pack("<HHIHH", 0x112, 3, 1, 6, 0) + bytes(4)  # turned by a quarter
+TURN = struct.pack(">I", len(EXIF)) + b"eXIf" + EXIF + struct.pack(">I", zlib.crc32(b"eXIf" + EXIF))
+PNGS = {"4 bits": (png_of(4, b"\0\x12\x34\0\x56\x7f"), [[1, 2, 3, 4], [5, 6, 7, 15]]),
+        "1 bit": (png_of(1, b"\0\x50\0\xb0"), [[0, 1, 0, 1], [1, 0, 1, 1]]),
+        "turned": (png_of(8, b"\0\1\2\3\4\0\5\6\7\x09", TURN), [[1, 2, 3, 4], [5, 6, 7, 9]])}
+
+
+@pytest.mark.parametrize("name", PNGS)
+def test_heights_of_a_png_are_as_they_are_stored(terrain, name):
+    content, heights = PNGS[name]
+    write("dem.png", content)
+    for reader in readers(terrain):
+        terrain.done(f"dem.png {reader} -o x.ply --max-error 0")
+        assert judge(heights, read_model("x.ply"), from_south(2)) < 1e-9
+
+
 def metres_of_degrees(latitude):
     """By quadrature of the ellipse itself: a small arc of the meridian, and of the parallel."""
     a, b = 6378137.0, 6378137.0 * (1 - 1 / 298.257223563)
@@ -287,6 +370,16 @@ def test_a_geotiff_of_degrees_knows_the_extent_of_its_tile(terrain):
     across, along = metres_of_degrees(49.5)
     report = report_of(terrain, "dem.tif -o model.ply --max-error 10")
     assert report["coordinates"]["metres_of_unit"] == [pytest.approx(across, rel=1e-7), pytest.approx(along, rel=1e-7)]
+
+
+def test_around_a_pole_a_tile_of_the_globe_needs_no_metres_of_degrees_nor_what_has_its_spacing(terrain):
+    needs_gdal(terrain)
+    write("dem.tif", dems.geotiff(ground(33, 33), (10, 90), (1e-4, 1e-4), is_point=True, geographic=True))
+    place = report_of(terrain, "dem.tif -o x.terrain --max-error 10")["coordinates"]
+    assert place["extent"] == pytest.approx([10, 89.9968, 10.0032, 90])
+    place = report_of(terrain, "dem.tif -o x.ply --max-error 10 --spacing 5")["coordinates"]
+    assert "--spacing" in place["metres"] and place["metres_of_unit"] == pytest.approx([50000, 50000])
+    terrain.fails("lies around a pole", "dem.tif -o y.ply --max-error 10")
 
 
 def test_feet_of_a_map_become_metres(terrain):
@@ -454,6 +547,16 @@ def test_tiles_of_a_budget_meet_where_their_borders_have_a_tolerance(terrain):
         assert len(west) > 2 and (west == east) == (options != "")
 
 
+def test_tiles_of_a_budget_keep_to_one_range_of_heights(terrain):
+    write("dem.raw", dems.raw([[1000 if (7919 * x + 104729 * y) % 53 == 0 else 0 for x in range(61)] for y in range(61)]))
+    terrain.done(f"dem.raw --size 61x61 -o t.terrain --vertices 200 --border-tolerance 5 --tiles 30 {EXTENT}")
+    tiles = {(x, y): read_model(f"t_{x}_{y}.terrain") for x in (0, 1) for y in (0, 1)}
+    assert {tile.range for tile in tiles.values()} == {(-50, 1050)}
+    east = sorted(p[1:] for p in tiles[0, 0].grid if p[0] == 32767)
+    assert east == sorted(p[1:] for p in tiles[1, 0].grid if p[0] == 0) and len(east) > 2
+    terrain.fails("a height beyond", f"dem.raw --size 61x61 -o u.terrain --vertices 200 --heights 0,10 {EXTENT}")
+
+
 def test_resume_leaves_tiles_that_are_newer_than_the_input(terrain):
     write("dem.pgm", dems.pgm(ground(40, 30)))
     os.utime("dem.pgm", (1e9, 1e9))
@@ -578,6 +681,7 @@ WRONG = rows("""
     --percent '101' must be above 0               | dem.pgm -o x.ply --percent 101
     --effort 'fine' is not one of: draft, fast    | dem.pgm -o x.ply --max-error 1 --effort fine
     --tiles '0' must be from 1                    | dem.pgm -o x.ply --max-error 1 --tiles 0
+    --output 'a/.ply' must end in one of          | dem.pgm -o a/.ply --max-error 1 --tiles 4
     --only requires --tiles                       | dem.pgm -o x.ply --max-error 1 --only 0_0
     --list requires --tiles                       | dem.pgm --list
     --resume requires --tiles                     | dem.pgm -o x.ply --max-error 1 --resume

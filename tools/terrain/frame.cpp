@@ -28,8 +28,10 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
     frame.origin = {t[0], t[3] + t[5] * rows};
     const double middle = t[3] + t[5] * rows / 2;
     if (place.is_geographic) {
-        if (std::fabs(middle) > 89.99) return "'" + arguments.input + "' lies around a pole: reproject it with gdalwarp";
-        frame.metres = metres_of_degrees(place, middle);
+        const bool has_metres = !arguments.spacing && arguments.format != Format::quantized_mesh;  // of degrees
+        if (has_metres && std::fabs(middle) > 89.99)
+            return "'" + arguments.input + "' lies around a pole: reproject it with gdalwarp";
+        if (has_metres) frame.metres = metres_of_degrees(place, middle);
         frame.extent = Extent{t[0], t[3] + t[5] * rows, t[0] + t[1] * columns, t[3]};
     } else {
         frame.metres = {place.unit, place.unit};

@@ -63,9 +63,11 @@ Json tile_value(const Tile& tile, const TileEnd& end) {
 // Where on the map the numbers of the files are.
 Json frame_value(const Arguments& arguments, const Dem& dem, const Frame& frame) {
     if (arguments.format == Format::quantized_mesh) return {{"is", "degrees and metres"}, {"extent", *frame.extent}};
-    const char* const how = dem.place.is_geographic ? "degrees, times the metres of one in the middle of the input"
-                            : dem.place.is_known    ? "units of the map, times the metres of one"
-                                                    : "samples, times their spacing";
+    const char* const how = arguments.spacing && dem.place.is_known
+                                ? "units of the map, times the metres of one, by which samples are --spacing apart"
+                            : dem.place.is_geographic ? "degrees, times the metres of one in the middle of the input"
+                            : dem.place.is_known      ? "units of the map, times the metres of one"
+                                                      : "samples, times their spacing";
     return {{"is", "local metres, times scale: +x east, +y north, +z up (.glb: +x east, +y up, -z north)"},
             {"metres", how},
             {"origin", frame.origin},

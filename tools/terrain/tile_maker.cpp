@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 #include "terminal/progress_watch.hpp"
 #include "terminal/words.hpp"
@@ -58,6 +59,16 @@ double slack_of(const Arguments& arguments, const Tile& tile) {
     if (arguments.format != Format::quantized_mesh)
         return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
     return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
+}
+
+// Keeps the heights of a mesh within the range of all tiles, where the samples of this one are: a number of vertices puts some as
+// far beyond the samples as the least error asks for. Neighbours do the same with the vertices that they share.
+void keep_within(const HeightRange& range, const Window& window, hmesh::Mesh& mesh) {
+    if (!(range.low < range.high) || window.low < range.low || window.high > range.high) return;
+    const float low = std::nextafter(static_cast<float>(range.low), std::numeric_limits<float>::max());
+    const float high = std::nextafter(static_cast<float>(range.high), std::numeric_limits<float>::lowest());
+    if (low < high)
+        for (float& height : mesh.colors) height = std::clamp(height, low, high);
 }
 
 }  // namespace
@@ -128,11 +139,12 @@ std::string TileMaker::make_file(const Tile& tile, const Window& window, hmesh::
         const Within within{shares.front() * room, attempt.share * room, attempt.of_borders * room, attempt.effort};
         end.asked = within.inside;
         end.is_tighter = room > 0 && attempt.of_borders == 0;
-        const hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, within, progress, parallel_for)
-                                                          : mesh_with_vertices(arguments_, window, progress, parallel_for);
+        hmesh::Result result = arguments_.max_error ? mesh_within(arguments_, window, within, progress, parallel_for)
+                                                    : mesh_with_vertices(arguments_, window, progress, parallel_for);
         if (!result.status || !result.has_mesh())
             return "'" + arguments_.input + "' as '" + tile.file + "': " + tool::in_words(result.status) +
                    (tool::interrupted ? "; it is not written" : "");
+        if (is_globe && !arguments_.max_error) keep_within(range, window, result.mesh);
         end.vertices = result.mesh.vertex_count();
         end.triangles = result.mesh.face_count();
         if (const hmesh::Status status = write_model(arguments_, dem_, frame, range, tile, window, result.mesh.view(), bytes);

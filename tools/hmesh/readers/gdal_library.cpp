@@ -46,9 +46,9 @@ const GdalLibrary& gdal() {
     return library;
 }
 
-GDALDatasetH GdalLibrary::open(const std::string& path) const {
+GDALDatasetH GdalLibrary::open(const std::string& path, const char* const* options) const {
     CPLErrorReset();
-    return GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, nullptr, nullptr);
+    return GDALOpenEx(path.c_str(), GDAL_OF_RASTER | GDAL_OF_READONLY | GDAL_OF_VERBOSE_ERROR, nullptr, options, nullptr);
 }
 
 std::string GdalLibrary::last_error(const char* otherwise) const {

@@ -59,8 +59,8 @@ struct GdalLibrary {
     HMESH_GDAL_FUNCTIONS(HMESH_GDAL_MEMBER)
 #undef HMESH_GDAL_MEMBER
 
-    // Opens a file of rasters; null: it could not.
-    [[nodiscard]] GDALDatasetH open(const std::string& path) const;
+    // Opens a file of rasters, with options of its driver that end in a null; null: it could not.
+    [[nodiscard]] GDALDatasetH open(const std::string& path, const char* const* options = nullptr) const;
     // Its last words on one line, for the end of a sentence.
     [[nodiscard]] std::string last_error(const char* otherwise) const;
     // Lets it keep so many bytes of what it has decoded, up to a gigabyte: what is read by rows is read again and again.

@@ -11,7 +11,7 @@ namespace tool {
 
 // Whether the name ends so, in lower or upper case, and has more before it. The ending is in lower case.
 [[nodiscard]] inline bool has_ending(const std::string& name, const std::string& ending) {
-    if (name.size() <= ending.size()) return false;
+    if (name.size() <= ending.size() || name[name.size() - ending.size() - 1] == '/') return false;
     for (std::size_t i = 0; i < ending.size(); ++i) {
         const char c = name[name.size() - ending.size() + i];
         if ((c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c) != ending[i]) return false;

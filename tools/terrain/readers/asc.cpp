@@ -68,7 +68,7 @@ std::string lower(std::string text) {
 // What the words of the head say.
 struct Head {
     double columns = 0, rows = 0, x = 0, y = 0, step_x = 0, step_y = 0;
-    bool has_x = false, has_y = false, is_center = false;
+    bool has_x = false, has_y = false, is_center_x = false, is_center_y = false;
     std::optional<double> no_data;
 };
 
@@ -89,7 +89,8 @@ std::string read_head(Words& words, const char*& word, Head& head) {
         else if (key == "dy") head.step_y = value;
         else if (key == "nodata_value") head.no_data = value;
         else return "it is no Esri ASCII grid: its head has '" + key + "'";
-        head.is_center = head.is_center || key == "xllcenter";
+        head.is_center_x = head.is_center_x || key == "xllcenter";
+        head.is_center_y = head.is_center_y || key == "yllcenter";
     }
     const auto is_count = [](double n) { return n >= 1 && n <= INT_MAX && n <= std::floor(n); };
     if (!is_count(head.columns) || !is_count(head.rows)) return "its head has no ncols and nrows of 1 or more";
@@ -98,15 +99,71 @@ std::string read_head(Words& words, const char*& word, Head& head) {
     return {};
 }
 
+// What well-known text says of metres: the ellipsoid, the unit of the map, and whether that is an angle of so many `degrees`.
+class Wkt {
+  public:
+    Wkt(const std::string& text, Georeference& place) : place_(place) {
+        std::string word;
+        for (std::size_t at = 0; at < text.size(); ++at) {
+            const char c = text[at];
+            if (c == '"') {
+                at = std::min(text.find('"', at + 1), text.size());
+            } else if (c == '[' || c == '(') {
+                open_.push_back({lower(word), 0});
+                has_projection_ = has_projection_ || open_.back().key == "projcs" || open_.back().key == "projcrs";
+                has_degrees_ = has_degrees_ || open_.back().key == "geogcs" || open_.back().key == "geogcrs";
+                word.clear();
+            } else if (c == ',' || c == ']' || c == ')') {
+                double value = 0;
+                if (!open_.empty() && parse(word.c_str(), value)) take(value);
+                word.clear();
+                if (c != ',' && !open_.empty()) open_.pop_back();
+            } else if (c != ' ' && !(c >= '\t' && c <= '\r')) {
+                word += c;
+            }
+        }
+        place.is_geographic = has_degrees_ && !has_projection_;
+    }
+
+    double degrees = 1;
+
+  private:
+    struct Open {
+        std::string key;
+        int numbers;
+    };
+
+    void take(double value) {
+        const std::string& key = open_.back().key;
+        const std::string around = open_.size() > 1 ? open_[open_.size() - 2].key : "";
+        const int number = ++open_.back().numbers;
+        if (key == "spheroid" || key == "ellipsoid") {
+            if (number == 1 && value > 0) place_.semi_major = value;
+            if (number == 2 && value >= 0) place_.inverse_flattening = value;
+        } else if (key.size() >= 4 && key.compare(key.size() - 4, 4, "unit") == 0 && number == 1 && value > 0) {
+            if (around == "projcs" || around == "projcrs" || around == "local_cs") place_.unit = value;
+            if (around == "geogcs" || around == "geogcrs") degrees = value * 180 / 3.14159265358979323846;
+        }
+    }
+
+    Georeference& place_;
+    std::vector<Open> open_;
+    bool has_projection_ = false, has_degrees_ = false;
+};
+
 // The coordinate system of NAME.prj beside NAME.asc, where there is one.
-void read_crs(std::string path, Georeference& place) {
-    if (path.size() < 4) return;
+std::string read_crs(std::string path, Georeference& place) {
+    if (path.size() < 4) return {};
     std::ifstream file(path.replace(path.size() - 4, 4, ".prj"), std::ios::binary);
+    if (!file.is_open()) file.open(path.replace(path.size() - 4, 4, ".PRJ"), std::ios::binary);
     place.crs.assign(std::istreambuf_iterator<char>(file), {});
     if (place.crs.size() > 65536) place.crs.clear();
     while (!place.crs.empty() && (place.crs.back() == '\n' || place.crs.back() == '\r')) place.crs.pop_back();
-    const std::string kind = lower(place.crs.substr(0, 6));
-    place.is_geographic = kind == "geogcs" || kind == "geogcr";
+    if (lower(place.crs.substr(0, 10)) == "projection") return "its '" + path + "' is one of ArcInfo, no WKT: GDAL reads that";
+    const double degrees = Wkt(place.crs, place).degrees;
+    if (place.is_geographic && std::fabs(degrees - 1) > 1e-9)
+        for (double& number : place.transform) number *= degrees;
+    return {};
 }
 
 }  // namespace
@@ -138,13 +195,13 @@ std::string open_asc(const std::string& path, const ReadOptions& options, DemPoi
     if (static_cast<std::int64_t>(grid->heights.size()) < count)
         return "the file ends before its last height (" + std::to_string(grid->heights.size()) + " of " + std::to_string(count) +
                ")";
-    if (head.has_x && head.has_y) {
-        const double half = head.is_center ? 0 : 0.5;
-        grid->place.is_known = true;
-        grid->place.transform = {
-            head.x + half * head.step_x, head.step_x, 0, head.y + (head.rows - 1 + half) * head.step_y, 0, -head.step_y};
-        read_crs(path, grid->place);
-    }
+    // Without a corner the northern one is at 0, 0, as GDAL has it: cells have their size all the same.
+    const bool has_corner = head.has_x && head.has_y;
+    const double west = has_corner ? head.x + (head.is_center_x ? 0 : 0.5) * head.step_x : 0.5 * head.step_x;
+    const double north = has_corner ? head.y + (head.rows - (head.is_center_y ? 1 : 0.5)) * head.step_y : -0.5 * head.step_y;
+    grid->place.is_known = true;
+    grid->place.transform = {west, head.step_x, 0, north, 0, -head.step_y};
+    if (std::string why = read_crs(path, grid->place); !why.empty()) return why;
     dem = std::move(grid);
     return {};
 }

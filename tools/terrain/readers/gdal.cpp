@@ -13,6 +13,7 @@
 
 #include "readers/gdal_library.hpp"
 #include "terrain/readers/grid_file.hpp"
+#include "writers/ending.hpp"
 #endif
 
 namespace terrain {
@@ -45,12 +46,15 @@ class GdalDem : public Dem {
 
     std::unique_ptr<void, Close> dataset_;
     GDALRasterBandH band_ = nullptr, mask_ = nullptr;  // mask_: 0 where there is no data; null: not asked
-    bool is_south_up_ = false;
+    bool is_south_up_ = false, is_text_ = false;
 };
 
 std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
     if (!gdal().why.empty()) return gdal().why;
-    dataset_.reset(gdal().open(path));
+    // Of text GDAL makes floats or 32-bit numbers, unless it is told otherwise, and what does not fit in is no longer seen.
+    const char* const as_doubles[] = {"DATATYPE=Float64", nullptr};
+    is_text_ = tool::has_ending(path, ".asc");
+    dataset_.reset(gdal().open(path, is_text_ ? as_doubles : nullptr));
     if (!dataset_) return gdal().last_error("GDAL reads no such file");
     const int bands = gdal().GDALGetRasterCount(dataset_.get());
     const bool has_alpha =
@@ -134,7 +138,8 @@ std::string GdalDem::read(int x, int y, int columns, int rows, float* heights, d
             const double stored = is_exact ? static_cast<double>(single[k]) : twice[k];
             const double value = is_exact ? stored : height_scale * stored + height_offset;
             const auto rounded = static_cast<float>(value);
-            const bool is_none = mask_ != nullptr ? mask[k] == 0 : is_no_data(stored, no_data);
+            const bool is_masked = mask_ != nullptr && mask[k] == 0;
+            const bool is_none = is_masked || ((mask_ == nullptr || is_text_) && is_no_data(stored, no_data));
             const bool is_height = !is_none && std::isfinite(rounded);
             *heights++ = is_height ? rounded : std::numeric_limits<float>::quiet_NaN();
             if (is_height) rounding = std::max(rounding, std::fabs(value - static_cast<double>(rounded)));

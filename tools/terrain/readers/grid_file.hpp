@@ -3,6 +3,7 @@
 #ifndef HMESH_TERRAIN_READERS_GRID_FILE_HPP
 #define HMESH_TERRAIN_READERS_GRID_FILE_HPP
 
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <memory>
@@ -43,9 +44,10 @@ class GridFile : public Dem {
     std::int64_t size_ = 0;
 };
 
-// Whether the height stands for none. Both as floats too, for a file's text may say -3.4e38 in few digits.
+// Whether the height stands for none. Both as floats too, for a file's text may say -3.4e38 in few digits. NaN equals no height,
+// and readers take it for none in any case.
 [[nodiscard]] inline bool is_no_data(double height, const std::optional<double>& no_data) noexcept {
-    if (!no_data) return false;
+    if (!no_data || std::isnan(*no_data)) return false;
     const auto equal = [](auto a, auto b) { return !(a < b) && !(b < a); };
     return equal(height, *no_data) || equal(static_cast<float>(height), static_cast<float>(*no_data));
 }
