@@ -435,6 +435,17 @@ def test_a_base_makes_a_closed_solid(terrain):
     terrain.fails("", "dem.asc -o model.stl --max-error 15 --base 1000")
 
 
+@pytest.mark.parametrize("effort", ["draft", "fast"])  # heights are samples: both sides of a touch have one
+def test_an_edge_of_a_solid_has_two_faces_where_holes_touch_in_a_vertex(terrain, effort):
+    heights = ground(30, 20)
+    for x, y in [(11, 6), (13, 8), (20, 10), (22, 12), (24, 10)]:
+        heights[y][x] = None
+    write("dem.asc", dems.asc(heights))
+    terrain.done(f"dem.asc -o model.stl --max-error 15 --base -100 --effort {effort}")
+    edges = [edge for a, b, c in read_model("model.stl").faces for edge in ((a, b), (b, c), (c, a))]
+    assert len(set(edges)) == len(edges) and {(b, a) for a, b in edges} == set(edges)
+
+
 # ---- tiles ----
 def border(model, is_border):
     """Position and normal of the vertices there, by position."""

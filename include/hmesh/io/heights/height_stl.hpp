@@ -6,7 +6,7 @@
 ///
 /// The solid has the surface above, the same faces flat below, and walls of two faces on each edge of the border: twice the
 /// faces and more. Who looks for vertices by their coordinates, as slicers do, finds that each edge has two faces; so the mesh
-/// must have one vertex where there is one place, and floats must keep its vertices apart.
+/// must have one vertex where there is one place, but where its borders touch, and floats must keep its vertices apart.
 ///
 /// The surface O(n), nothing allocated. The solid O(n log n), 24 bytes a face.
 /// Source: Marshall Burns, Automated Fabrication, section 6.5: the STL format.

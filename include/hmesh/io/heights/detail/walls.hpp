@@ -1,9 +1,10 @@
 /// \file
 /// WallPlan: where the walls of a solid stand, so that each of its edges has two faces.
 ///
-/// A wall stands on each edge that one face has alone: along the outer border and around holes. Where borders touch in a vertex
-/// the faces around it are several fans, and one vertical edge would have four walls. There each fan gets a corner of its own,
-/// moved into the fan by a 64th of a sample at most, and by less than would turn one of its faces over.
+/// A wall stands on each edge that one face has alone: along the outer border and around holes. Where borders touch in a
+/// vertex (one of the mesh, or one for each) the faces around it are several fans, and one vertical edge would have four
+/// walls. There each fan gets a corner of its own, moved into the fan by a 64th of a sample at most, and by less than would
+/// turn one of its faces over.
 ///
 /// O(n log n); 24 bytes a face while it is made, 8 for each edge of the border afterwards.
 #ifndef HMESH_IO_HEIGHTS_DETAIL_WALLS_HPP
@@ -103,13 +104,25 @@ class WallPlan {
         return {};
     }
 
+    // The vertices in whose places more than one edge of the border begins, sorted: meshes of mesh_image() have one for each fan.
+    [[nodiscard]] std::vector<std::uint32_t> find_touched() const {
+        std::vector<std::uint32_t> begins, touched;
+        begins.reserve(borders_.size());
+        for (const std::uint64_t border : borders_) begins.push_back(static_cast<std::uint32_t>(border >> 32U));
+        const float* const at = mesh_.positions;
+        const auto is_before = [&](std::size_t a, std::size_t b) {
+            return at[2 * a] < at[2 * b] || (!(at[2 * b] < at[2 * a]) && at[2 * a + 1] < at[2 * b + 1]);
+        };
+        std::sort(begins.begin(), begins.end(), is_before);
+        for (std::size_t i = 1; i < begins.size(); ++i)
+            if (!is_before(begins[i - 1], begins[i])) touched.insert(touched.end(), {begins[i - 1], begins[i]});
+        std::sort(touched.begin(), touched.end());
+        touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+        return touched;
+    }
+
     void part_fans() {
-        std::vector<std::uint32_t> touched;  // vertices from which more than one edge of the border goes out
-        for (std::size_t i = 1; i < borders_.size(); ++i) {
-            const auto vertex = static_cast<std::uint32_t>(borders_[i] >> 32U);
-            const bool is_again = vertex == borders_[i - 1] >> 32U && (touched.empty() || touched.back() != vertex);
-            if (is_again) touched.push_back(vertex);
-        }
+        const std::vector<std::uint32_t> touched = find_touched();
         if (touched.empty()) return;
         for (std::size_t f = 0; f < mesh_.face_count; ++f) {
             const Triangle face = turned(mesh_.faces[f]);
