@@ -3525,12 +3525,13 @@ class LatticeMesh {
         : mesh_(table, 0, 255), lattice_(&lattice), random_(seed) {}
 
     /// Moves a mesh of the first image to the lattice, and works on it for so many rounds as long as go_on(), which is told what
-    /// share of them is done. Whether it got there.
+    /// share of them is done; with none also on the way there no more than it must. Whether it got there.
     [[nodiscard]] bool settle(const Mesh& first, int rounds, FunctionRef<bool(double)> go_on) {
         if (!mesh_.assign(in_second_image(first))) return false;
         sites_.assign(mesh_.topology().vertex_slots(), {-1, -1});
         temperature_ = 0;
         for (int reach = 1; reach <= 4 && snap_all(reach) > 0; ++reach) {
+            if (rounds == 0) continue;
             move_round();
             flip_round();
         }
@@ -3933,11 +3934,11 @@ class CompactRuns {
     switch (effort) {
         case Effort::draft: return 2;
         case Effort::fast: return 4;
-        case Effort::normal: return 10;
+        case Effort::normal: return 8;
         case Effort::fine: return 40;
         case Effort::best: return 300;
     }
-    return 10;
+    return 8;
 }
 
 /// The search of compact_image() on one lattice.
@@ -3956,21 +3957,22 @@ class CompactSearch {
         pixels_ = shrunk(image.pixels.view(), lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
     }
 
-    /// Which steps of colours promise most for a mesh of n vertices, and how many of them the bytes pay for then. Returns what
-    /// they promise, a PSNR; minus infinity where there is no such mesh on the lattice or, where `status` is not ok, none at all.
-    [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, Status& status) {
+    /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
+    /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice
+    /// or, where `status` is not ok, none at all.
+    [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, int rounds, Status& status) {
         static constexpr std::array<std::uint32_t, 7> steps{64, 90, 128, 180, 256, 362, 512};
         double most = -std::numeric_limits<double>::infinity();
-        if (!mesh(n, recipe, 3, status)) return most;
+        if (!mesh(n, recipe, rounds, status)) return most;
         const auto is_better = [&](std::size_t k) {
             const std::vector<std::uint8_t> file = write(steps[k]);
-            const double share = static_cast<double>(file.size()) / static_cast<double>(options_->bytes);
+            const double share = share_of(file);
             // Of photographs and drawings alike some 1.7 dB for twice the bytes.
             const double promise = psnr_of(file) - 5.5 * std::log10(share);
             if (promise <= most) return false;
             most = promise;
             color_step = steps[k];
-            n = paid_for(mesh_.vertex_count(), share);
+            n = paid_for(mesh_.vertex_count(), rounds > 0 ? share : 1.015 * share);  // rounds save some bytes
             return true;
         };
         std::size_t down = 3, up = down;
@@ -3983,7 +3985,6 @@ class CompactSearch {
     /// Looks for the number of vertices, n to begin with, that the bytes pay for with these steps of colours or nearly so; n
     /// becomes that. `best` becomes the file of least error found, if that is less than its own. Returns whether to go on.
     [[nodiscard]] bool fill(std::int64_t& n, std::uint32_t color_step, const Annealed& recipe, CompactImage& best) {
-        const auto budget = static_cast<double>(options_->bytes);
         std::int64_t below = 3, above = most_vertices() + 1;
         for (int run = 0; run < 8 && above - below > 1; ++run) {
             n = std::max(below + 1, std::min(above - 1, n));
@@ -3995,8 +3996,8 @@ class CompactSearch {
                 n = n * 9 / 10;
                 continue;
             }
-            const double share = static_cast<double>(file.size()) / budget;
-            const bool fits = share <= 1.05 && keep(color_step, share, best);
+            const double share = share_of(file);
+            const bool fits = share <= 1.05 && keep(color_step, std::move(file), best);
             if (share > 1) above = n;
             else below = n;
             if (fits && share > 0.96) break;
@@ -4008,8 +4009,9 @@ class CompactSearch {
     /// The file of a mesh of 4 vertices becomes `best`, or target_out_of_range its status. Returns whether to go on.
     [[nodiscard]] bool begin(const Annealed& recipe, CompactImage& best) {
         if (!mesh(4, recipe, 1, best.status)) return false;
-        const std::size_t least = write(CompactHead::coarsest).size();
-        if (least <= options_->bytes) return keep(CompactHead::coarsest, 1, best);
+        std::vector<std::uint8_t> file = write(CompactHead::coarsest);
+        const std::size_t least = file.size();
+        if (least <= options_->bytes) return keep(CompactHead::coarsest, std::move(file), best);
         best.status = {Errc::target_out_of_range, "a compact file of the image has more bytes, even of 4 vertices", least,
                        options_->bytes};
         return false;
@@ -4018,6 +4020,10 @@ class CompactSearch {
   private:
     [[nodiscard]] ImageView<std::uint8_t, C> first_image() const noexcept {
         return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
+    }
+    // What share of the bytes a file takes.
+    [[nodiscard]] double share_of(const std::vector<std::uint8_t>& file) const noexcept {
+        return static_cast<double>(file.size()) / static_cast<double>(options_->bytes);
     }
     // How many vertices all bytes pay for, where so many take a share of them: that may be any number.
     [[nodiscard]] static std::int64_t paid_for(std::size_t vertices, double share) noexcept {
@@ -4062,27 +4068,26 @@ class CompactSearch {
         return file;
     }
 
-    /// The file of the finest colours that the bytes pay for becomes `best` if its error is less. `share` of them are taken by
-    /// those of `color_step`. Whether there is one.
-    bool keep(std::uint32_t color_step, double share, CompactImage& best) const {
-        std::uint32_t less = 1;
-        while (less < color_step / 8) less *= 2;
-        color_step = std::min<std::uint32_t>(CompactHead::coarsest, color_step + (share > 1 ? 2 * less : 0));
-        std::vector<std::uint8_t> file = write(color_step);
-        if (share <= 1)  // all steps are looked at
-            while (2 * less < color_step) less *= 2;
-        for (; less > 0; less /= 2) {
-            if (color_step <= less) continue;
-            std::vector<std::uint8_t> finer = write(color_step - less);
-            if (finer.size() > options_->bytes) continue;
-            file = std::move(finer);
-            color_step -= less;
+    /// `file` has colours of this step. The one of the finest that the bytes pay for, or nearly so, becomes `best` if its error
+    /// is less. Whether there is one.
+    bool keep(std::uint32_t color_step, std::vector<std::uint8_t> file, CompactImage& best) const {
+        std::vector<std::uint8_t> trial = std::move(file);
+        std::uint32_t over = 0, within = CompactHead::coarsest + 1;  // the coarsest step of too many bytes, the finest of not
+        file.clear();
+        for (int tries = 0; !trial.empty(); ++tries) {
+            const double share = share_of(trial);
+            if (share > 1) over = color_step;
+            else within = color_step, file = std::move(trial);
+            if (within - over <= 1 || tries == 6 || (share <= 1 && share > 0.998)) break;
+            const double next = color_step * std::exp2(9 * (share - 1));  // of photographs twice the step saves a ninth
+            color_step = static_cast<std::uint32_t>(std::max(over + 1.0, std::min(within - 1.0, std::round(next))));
+            trial = write(color_step);
         }
-        if (file.empty() || file.size() > options_->bytes) return false;
+        if (file.empty()) return false;
         const double reached = psnr_of(file);
         if (!best.bytes.empty() && !(reached > best.psnr)) return true;
         best.bytes = std::move(file);
-        best.color_step = color_step;
+        best.color_step = within;
         best.psnr = reached;
         return true;
     }
@@ -4129,8 +4134,6 @@ template <class T, int C>
 [[nodiscard]] CompactImage find_compact_image(const ImageView<T, C>& view, const CompactImageOptions& options,
                                               const Annealed& recipe, const ParallelFor& parallel_for) {
     CompactImage out;
-    Annealed quick = recipe;
-    quick.effort = std::min(recipe.effort, Effort::fast);
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
     const auto bytes = static_cast<std::int64_t>(std::min<std::uint64_t>(options.bytes, std::uint64_t{1} << 40U));
     const std::int64_t expected = std::max<std::int64_t>(4, std::min(pixels, bytes * 2 / 5));        // 20 bits a vertex
@@ -4147,6 +4150,12 @@ template <class T, int C>
     const auto lattice_of = [&](double share) {
         return find_lattice(view.width, view.height, whole.width, whole.height, share * distance, options.bare);
     };
+    // So few vertices are a matter of luck.
+    const std::size_t tries = expected < 600 ? 4 : 1, lattices = tries > 1 ? 2 : 1;
+    // Where lattices are compared, their meshes must be worth it; else they tell numbers alone.
+    const bool may_be_drawing = flat_share<C>(image.pixels.view()) > 0.4, is_compared = lattices > 1 || may_be_drawing;
+    Annealed quick = recipe;
+    quick.effort = std::min(recipe.effort, is_compared ? Effort::fast : Effort::draft);
     CompactRuns runs(options.progress);
     if (!CompactSearch<C>(image, options, lattice_of(0.2), runs, parallel_for).begin(quick, out)) return out;
     if (out.psnr < Target::invisible) {  // an image of one colour needs no more
@@ -4159,19 +4168,16 @@ template <class T, int C>
             for (int percent = 100; percent > 90 && next.color_step == 0 && out.status; percent -= 3) {
                 next.n = std::max<std::int64_t>(4, likely * percent / 100);
                 next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
-                                   .guess(next.n, next.color_step, quick, out.status);
+                                   .guess(next.n, next.color_step, quick, is_compared ? 3 : 0, out.status);
             }
             if (next.color_step > 0) found.push_back(next);
             return next.promise;
         };
-        // So few vertices are a matter of luck.
-        const std::size_t tries = expected < 600 ? 4 : 1, lattices = tries > 1 ? 2 : 1;
         // This is best for photographs. Drawings promise decibels more on finer ones, and chance alone up to 0.3.
         double most = look(0.07) + 0.3;
         if (!found.empty()) found.front().promise = most;
-        const bool may_be_drawing = flat_share<C>(image.pixels.view()) > 0.4;
         for (const double share : {0.045, 0.03, 0.02}) {
-            if (lattices == 1 && !may_be_drawing) break;
+            if (!is_compared) break;
             const double promise = look(share);
             if (!(promise > most)) break;
             most = promise;

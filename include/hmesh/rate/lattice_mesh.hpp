@@ -48,12 +48,13 @@ class LatticeMesh {
         : mesh_(table, 0, 255), lattice_(&lattice), random_(seed) {}
 
     /// Moves a mesh of the first image to the lattice, and works on it for so many rounds as long as go_on(), which is told what
-    /// share of them is done. Whether it got there.
+    /// share of them is done; with none also on the way there no more than it must. Whether it got there.
     [[nodiscard]] bool settle(const Mesh& first, int rounds, FunctionRef<bool(double)> go_on) {
         if (!mesh_.assign(in_second_image(first))) return false;
         sites_.assign(mesh_.topology().vertex_slots(), {-1, -1});
         temperature_ = 0;
         for (int reach = 1; reach <= 4 && snap_all(reach) > 0; ++reach) {
+            if (rounds == 0) continue;
             move_round();
             flip_round();
         }
