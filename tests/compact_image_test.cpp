@@ -151,6 +151,28 @@ TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
     }
 }
 
+// Gradients have far finer colours than photographs, and more bytes go into these.
+TEST_CASE("smooth images have fine colours, and use their bytes") {
+    const auto make_smooth = [](auto& image, int channels) {
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                for (int c = 0; c < channels; ++c)
+                    image.pixel(x, y)[c] =
+                        static_cast<std::uint8_t>(128 + 60 * std::sin(0.01 * x + c) + 60 * std::cos(0.013 * y));
+    };
+    hmesh::Image<std::uint8_t, 3> rgb(160, 120);
+    hmesh::Image<std::uint8_t, 4> rgba(160, 120);
+    make_smooth(rgb, 3);
+    make_smooth(rgba, 4);
+    for (const std::size_t budget : {1600U, 4000U}) {
+        const CompactImage out = compact_image(rgb.view(), bytes(budget), quick());
+        CHECK(out.psnr > 52);
+        CHECK((static_cast<double>(out.bytes.size()) >= 0.98 * static_cast<double>(budget) || out.psnr >= 55));
+    }
+    const CompactImage out = compact_image(rgba.view(), bytes(12000), quick());
+    CHECK((out.bytes.size() >= 11760 || out.psnr >= 55));
+}
+
 TEST_CASE("noise uses its bytes too, where they can tell more than its mean") {
     const auto image = hmesh_test::noise<std::uint8_t, 3>(120, 90, 2);
     double before = 0;

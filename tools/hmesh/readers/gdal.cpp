@@ -44,7 +44,9 @@ class GdalFile : public RectangleFile {
             const GDALRasterBandH band = library.GDALGetRasterBand(file_, k);
             if (library.GDALGetRasterDataType(band) != type_)
                 return "its bands are of several types: gdal_translate -ot makes them of one";
-            if (library.GDALGetRasterColorInterpretation(band) == GCI_PaletteIndex)
+            const GDALColorInterp meaning = library.GDALGetRasterColorInterpretation(band);
+            if (meaning >= GCI_CyanBand && meaning <= GCI_BlackBand) return "its bands are inks, and those of images light";
+            if (meaning == GCI_PaletteIndex)
                 return "its samples are numbers of a palette: gdal_translate -expand rgb makes colours of them";
         }
         // Near infrared, say, is no alpha: left out, as of TIFF files.

@@ -88,7 +88,8 @@ std::string check_beginning(Bytes file) {
     switch (kind_of(file)) {
         case FileKind::png:
             if (file.says(12, "CgBI")) return "it is a PNG file for iOS alone";
-            if (!file.says(12, "IHDR") || !file.has(16, 8)) return "its PNG header is cut off";
+            if (!file.has(16, 8)) return "its PNG header is cut off";
+            if (!file.says(12, "IHDR")) return "its first PNG chunk is not IHDR";
             width = file.be32(16);
             height = file.be32(20);
             break;

@@ -99,7 +99,8 @@ std::string read_head(Words& words, const char*& word, Head& head) {
     return {};
 }
 
-// What well-known text says of metres: the ellipsoid, the unit of the map, and whether that is an angle of so many `degrees`.
+// What well-known text of version 1, or in such words of version 2, says of metres: the ellipsoid, the unit of the map, and
+// whether that is an angle of so many `degrees`.
 class Wkt {
   public:
     Wkt(const std::string& text, Georeference& place) : place_(place) {
@@ -161,7 +162,7 @@ std::string read_crs(std::string path, Georeference& place) {
     while (!place.crs.empty() && (place.crs.back() == '\n' || place.crs.back() == '\r')) place.crs.pop_back();
     if (lower(place.crs.substr(0, 10)) == "projection") return "its '" + path + "' is one of ArcInfo, no WKT: GDAL reads that";
     const double degrees = Wkt(place.crs, place).degrees;
-    if (place.is_geographic && std::fabs(degrees - 1) > 1e-9)
+    if (place.is_geographic && std::fabs(degrees - 1) > 1e-8)
         for (double& number : place.transform) number *= degrees;
     return {};
 }

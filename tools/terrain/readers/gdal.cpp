@@ -114,7 +114,7 @@ void GdalDem::find_crs() {
     place.is_geographic = gdal().OSRIsGeographic(crs) != 0;
     if (place.is_geographic) {
         const double degrees = gdal().OSRGetAngularUnits(crs, nullptr) * 180 / 3.14159265358979323846;
-        if (degrees > 0 && std::fabs(degrees - 1) > 1e-9)
+        if (degrees > 0 && std::fabs(degrees - 1) > 1e-8)
             for (double& number : place.transform) number *= degrees;
     } else if (const double metres = gdal().OSRGetLinearUnits(crs, nullptr); metres > 0) {
         place.unit = metres;
