@@ -4155,10 +4155,11 @@ template <class T, int C>
     };
     // So few vertices are a matter of luck.
     const std::size_t tries = expected < 600 ? 4 : 1, lattices = tries > 1 ? 2 : 1;
-    // Where lattices are compared, their meshes must be worth it; else they tell numbers alone.
     const bool may_be_drawing = flat_share<C>(image.pixels.view()) > 0.4, is_compared = lattices > 1 || may_be_drawing;
+    // Where lattices are compared, or time counts less than 0.03 dB, quick meshes must be worth it; else they tell numbers alone.
+    const bool is_rough = !is_compared && recipe.effort <= Effort::normal;
     Annealed quick = recipe;
-    quick.effort = std::min(recipe.effort, is_compared ? Effort::fast : Effort::draft);
+    quick.effort = std::min(recipe.effort, is_rough ? Effort::draft : Effort::fast);
     CompactRuns runs(options.progress);
     if (!CompactSearch<C>(image, options, lattice_of(0.2), runs, parallel_for).begin(quick, out)) return out;
     if (out.psnr < Target::invisible) {  // an image of one colour needs no more
@@ -4171,7 +4172,7 @@ template <class T, int C>
             for (int percent = 100; percent > 90 && next.color_step == 0 && out.status; percent -= 3) {
                 next.n = std::max<std::int64_t>(4, likely * percent / 100);
                 next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
-                                   .guess(next.n, next.color_step, quick, is_compared ? 3 : 0, out.status);
+                                   .guess(next.n, next.color_step, quick, is_rough ? 0 : 3, out.status);
             }
             if (next.color_step > 0) found.push_back(next);
             return next.promise;
