@@ -20,6 +20,13 @@ struct Georeference {
     bool is_geographic = false;                                       // x and y are degrees of longitude and latitude
     double unit = 1;                                                  // metres in a unit of the map, where these are not degrees
     double semi_major = 6378137, inverse_flattening = 298.257223563;  // of the ellipsoid, in metres: that of WGS 84
+
+    // Makes degrees of angles of so many radians, which are degrees already where ten digits say so.
+    void make_degrees(double radians) noexcept {
+        const double degrees = radians * 180 / 3.14159265358979323846;
+        if (degrees > 0 && !(degrees > 1 - 1e-8 && degrees < 1 + 1e-8))
+            for (double& number : transform) number *= degrees;
+    }
 };
 
 class Dem {

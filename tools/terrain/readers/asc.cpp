@@ -100,7 +100,7 @@ std::string read_head(Words& words, const char*& word, Head& head) {
 }
 
 // What well-known text of version 1, or in such words of version 2, says of metres: the ellipsoid, the unit of the map, and
-// whether that is an angle of so many `degrees`.
+// whether that is an angle of so many `radians`.
 class Wkt {
   public:
     Wkt(const std::string& text, Georeference& place) : place_(place) {
@@ -126,7 +126,7 @@ class Wkt {
         place.is_geographic = has_degrees_ && !has_projection_;
     }
 
-    double degrees = 1;
+    double radians = 0;  // 0: no unit of angles is said
 
   private:
     struct Open {
@@ -143,7 +143,7 @@ class Wkt {
             if (number == 2 && value >= 0) place_.inverse_flattening = value;
         } else if (key.size() >= 4 && key.compare(key.size() - 4, 4, "unit") == 0 && number == 1 && value > 0) {
             if (around == "projcs" || around == "projcrs" || around == "local_cs") place_.unit = value;
-            if (around == "geogcs" || around == "geogcrs") degrees = value * 180 / 3.14159265358979323846;
+            if (around == "geogcs" || around == "geogcrs") radians = value;
         }
     }
 
@@ -161,9 +161,8 @@ std::string read_crs(std::string path, Georeference& place) {
     if (place.crs.size() > 65536) place.crs.clear();
     while (!place.crs.empty() && (place.crs.back() == '\n' || place.crs.back() == '\r')) place.crs.pop_back();
     if (lower(place.crs.substr(0, 10)) == "projection") return "its '" + path + "' is one of ArcInfo, no WKT: GDAL reads that";
-    const double degrees = Wkt(place.crs, place).degrees;
-    if (place.is_geographic && std::fabs(degrees - 1) > 1e-8)
-        for (double& number : place.transform) number *= degrees;
+    const double radians = Wkt(place.crs, place).radians;
+    if (place.is_geographic) place.make_degrees(radians);
     return {};
 }
 

@@ -113,9 +113,7 @@ void GdalDem::find_crs() {
     if (error == OGRERR_NONE && flattening >= 0) place.inverse_flattening = flattening;
     place.is_geographic = gdal().OSRIsGeographic(crs) != 0;
     if (place.is_geographic) {
-        const double degrees = gdal().OSRGetAngularUnits(crs, nullptr) * 180 / 3.14159265358979323846;
-        if (degrees > 0 && std::fabs(degrees - 1) > 1e-8)
-            for (double& number : place.transform) number *= degrees;
+        place.make_degrees(gdal().OSRGetAngularUnits(crs, nullptr));
     } else if (const double metres = gdal().OSRGetLinearUnits(crs, nullptr); metres > 0) {
         place.unit = metres;
     }
