@@ -17330,6 +17330,7 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -17556,16 +17557,13 @@ class LinearLight {
 /// check_weights() says.
 [[nodiscard]] HMESH_COLD inline Status check_options(const LinearLightOptions& options, int width, int height,
                                                      const ParallelFor& parallel_for) {
-    if (options.iterations < 0)
-        return {Errc::invalid_argument, "the steps of a fit to linear light must be at least 0", options.iterations, 0};
-    const auto is_good = [](double value) { return is_finite(value) && value >= 0; };
-    if (!is_good(options.min_gain))
-        return {Errc::invalid_argument, "min_gain of a fit to linear light must be finite and at least 0", options.min_gain};
-    if (!is_good(options.ridge))
-        return {Errc::invalid_argument, "ridge of a fit to linear light must be finite and at least 0", options.ridge};
-    if (!is_good(options.grid))
-        return {Errc::invalid_argument, "the grid of a fit to linear light must be finite and at least 0", options.grid};
-    return check_weights(options.weights, width, height, parallel_for);
+    constexpr double any = std::numeric_limits<double>::max();
+    const Status status =
+        check_ranges({{"the steps of a fit to linear light must be at least 0", static_cast<double>(options.iterations), 0, any},
+                      {"min_gain of a fit to linear light must be finite and at least 0", options.min_gain, 0, any},
+                      {"ridge of a fit to linear light must be finite and at least 0", options.ridge, 0, any},
+                      {"the grid of a fit to linear light must be finite and at least 0", options.grid, 0, any}});
+    return status ? check_weights(options.weights, width, height, parallel_for) : status;
 }
 
 /// Whether the mesh fits the image: channels, size, arrays of one length, positions inside, faces of positive area; so that
