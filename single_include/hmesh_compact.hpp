@@ -381,7 +381,18 @@ class Triangulation {
         return is_down ? down < 0 || (down == 0 && across > 0) : across < 0 || (across == 0 && down < 0);
     }
     void sort(Index* order, Index n, bool is_down) const {
-        std::sort(order, order + n, [this, is_down](Index a, Index b) { return is_before(a, b, is_down); });
+        constexpr Index few = 64;  // are sorted sooner by comparing them
+        if (n <= few) {
+            std::sort(order, order + n, [this, is_down](Index a, Index b) { return is_before(a, b, is_down); });
+            return;
+        }
+        kit::Array<kit::Coded> codes(n);
+        for (Index k = 0; k < n; ++k) {
+            const auto x = static_cast<std::uint32_t>(point(order[k]).x), y = static_cast<std::uint32_t>(point(order[k]).y);
+            codes[k] = {is_down ? kit::code_of(y, ~x) : kit::code_of(x, y), order[k]};
+        }
+        kit::sort_by_code(codes);
+        for (Index k = 0; k < n; ++k) order[k] = codes[k].number;
     }
     // Of n >= 2 points from left to right, whose strips of `few` are cut across again, from the top down, into cells: so that
     // halves do not meet along lines much longer than they are wide, along which most edges are removed again.
@@ -621,9 +632,8 @@ class AdaptiveBit {
     /// Moves toward a bit that was seen, by 1 / (n + 3/2) of the way after n others.
     void learn(bool bit) noexcept {
         const std::uint32_t seen = state_ & 1023U;
-        const auto p = static_cast<std::int32_t>(state_ >> 10);
-        const std::int32_t way = ((bit ? 4194303 : 0) - p) / 8 * shares[seen] / 1024;
-        state_ = static_cast<std::uint32_t>(p + way) << 10 | (seen < most_seen ? seen + 1 : seen);
+        const std::uint32_t p = state_ >> 10, gap = bit ? 4194303 - p : p, way = gap / 8 * shares[seen] / 1024;
+        state_ = (bit ? p + way : p - way) << 10 | (seen < most_seen ? seen + 1 : seen);
     }
     /// Codes a bit by this context alone.
     bool code(ArithmeticCoder& coder, bool value) {
@@ -636,8 +646,8 @@ class AdaptiveBit {
     static constexpr std::uint32_t most_seen = 160;
     // 16384 / (2 n + 3), rounded down.
     static constexpr auto shares = [] {
-        std::array<std::int32_t, most_seen + 1> table{};
-        for (std::size_t n = 0; n < table.size(); ++n) table[n] = static_cast<std::int32_t>(16384 / (2 * n + 3));
+        std::array<std::uint32_t, most_seen + 1> table{};
+        for (std::size_t n = 0; n < table.size(); ++n) table[n] = static_cast<std::uint32_t>(16384 / (2 * n + 3));
         return table;
     }();
     std::uint32_t state_ = std::uint32_t{1} << 31;
@@ -708,8 +718,8 @@ class Mixer {
         for (std::size_t k = 0; k < Inputs; ++k) {
             const std::int32_t w = weights[k] + logs[k] * error / 16384;
             weights[k] = w > most ? most : w < -most ? -most : w;
-            contexts[k]->learn(value);
         }
+        for (std::size_t k = 0; k < Inputs; ++k) contexts[k]->learn(value);
         return value;
     }
     /// The weights, in 2^-16: of each set, one for each context.
@@ -1571,14 +1581,18 @@ struct CoarseColors {
         const double price = 1.4 * static_cast<double>(mean_area) / 256;
         return 1.2 * 1.386 / 12 * of_mean * of_mean * weight(is_rgb ? 0 : 3, is_rgb) * price;
     }
-    /// The step of a plane of a vertex, of which a vertex of a fourth of the mean area has twice that of the mean: so all errors
-    /// count the same. `area`: twice that of the faces around the vertex.
-    [[nodiscard]] std::int64_t step_of(std::int64_t area, std::size_t channel, bool is_rgb) const noexcept {
-        static constexpr std::array<std::int64_t, 4> shares{10, 12, 7, 17};  // of the vectors' lengths: 17.3, 17.0, 17.1, 17
+    /// The steps of a vertex in 16ths of those of one of mean area, 4 to 64: of a fourth of the area they are twice as large, so
+    /// that all errors count the same. `area`: twice that of the faces around the vertex.
+    [[nodiscard]] std::int64_t share_of(std::int64_t area) const noexcept {
         const std::int64_t ratio = std::max<std::int64_t>(16, std::min<std::int64_t>(mean_area / area, 4096));
-        std::int64_t root = 4;
-        while ((root + 1) * (root + 1) <= ratio) ++root;
-        return std::max<std::int64_t>(1, step * root * shares[is_rgb ? channel : 3] / 256);
+        std::int64_t root = 0;
+        for (std::int64_t digit = 64; digit > 0; digit /= 2) root += (root + digit) * (root + digit) <= ratio ? digit : 0;
+        return root;
+    }
+    /// The step of a plane of a vertex with such a share.
+    [[nodiscard]] std::int64_t step_of(std::int64_t share, std::size_t channel, bool is_rgb) const noexcept {
+        static constexpr std::array<std::int64_t, 4> shares{10, 12, 7, 17};  // of the vectors' lengths: 17.3, 17.0, 17.1, 17
+        return std::max<std::int64_t>(1, step * share * shares[is_rgb ? channel : 3] / 256);
     }
 };
 
@@ -1603,7 +1617,7 @@ class ColorCoder {
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             foretelling_.look(mesh, used, v, last);
-            const std::int64_t area = is_coarse ? foretelling_.area(mesh) : 0;
+            const std::int64_t share = is_coarse ? coarse_->share_of(foretelling_.area(mesh)) : 0;
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
             if (coder_->writes() && !is_coarse) {
@@ -1619,7 +1633,7 @@ class ColorCoder {
                 const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
                 Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
-                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area, channel, is_rgb);
+                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(share, channel, is_rgb);
                 plane.first = !is_coarse ? (plane.most + 1) / 2 : is_difference ? CoarseColors::middle : 2048;
                 const std::int64_t got = code_number(v, plane, truth[channel], before, turns);
                 if (got < 0) return false;

@@ -38,9 +38,8 @@ class AdaptiveBit {
     /// Moves toward a bit that was seen, by 1 / (n + 3/2) of the way after n others.
     void learn(bool bit) noexcept {
         const std::uint32_t seen = state_ & 1023U;
-        const auto p = static_cast<std::int32_t>(state_ >> 10);
-        const std::int32_t way = ((bit ? 4194303 : 0) - p) / 8 * shares[seen] / 1024;
-        state_ = static_cast<std::uint32_t>(p + way) << 10 | (seen < most_seen ? seen + 1 : seen);
+        const std::uint32_t p = state_ >> 10, gap = bit ? 4194303 - p : p, way = gap / 8 * shares[seen] / 1024;
+        state_ = (bit ? p + way : p - way) << 10 | (seen < most_seen ? seen + 1 : seen);
     }
     /// Codes a bit by this context alone.
     bool code(ArithmeticCoder& coder, bool value) {
@@ -53,8 +52,8 @@ class AdaptiveBit {
     static constexpr std::uint32_t most_seen = 160;
     // 16384 / (2 n + 3), rounded down.
     static constexpr auto shares = [] {
-        std::array<std::int32_t, most_seen + 1> table{};
-        for (std::size_t n = 0; n < table.size(); ++n) table[n] = static_cast<std::int32_t>(16384 / (2 * n + 3));
+        std::array<std::uint32_t, most_seen + 1> table{};
+        for (std::size_t n = 0; n < table.size(); ++n) table[n] = static_cast<std::uint32_t>(16384 / (2 * n + 3));
         return table;
     }();
     std::uint32_t state_ = std::uint32_t{1} << 31;
@@ -125,8 +124,8 @@ class Mixer {
         for (std::size_t k = 0; k < Inputs; ++k) {
             const std::int32_t w = weights[k] + logs[k] * error / 16384;
             weights[k] = w > most ? most : w < -most ? -most : w;
-            contexts[k]->learn(value);
         }
+        for (std::size_t k = 0; k < Inputs; ++k) contexts[k]->learn(value);
         return value;
     }
     /// The weights, in 2^-16: of each set, one for each context.

@@ -20,6 +20,8 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/io/compact/plane.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -181,7 +183,18 @@ class Triangulation {
         return is_down ? down < 0 || (down == 0 && across > 0) : across < 0 || (across == 0 && down < 0);
     }
     void sort(Index* order, Index n, bool is_down) const {
-        std::sort(order, order + n, [this, is_down](Index a, Index b) { return is_before(a, b, is_down); });
+        constexpr Index few = 64;  // are sorted sooner by comparing them
+        if (n <= few) {
+            std::sort(order, order + n, [this, is_down](Index a, Index b) { return is_before(a, b, is_down); });
+            return;
+        }
+        kit::Array<kit::Coded> codes(n);
+        for (Index k = 0; k < n; ++k) {
+            const auto x = static_cast<std::uint32_t>(point(order[k]).x), y = static_cast<std::uint32_t>(point(order[k]).y);
+            codes[k] = {is_down ? kit::code_of(y, ~x) : kit::code_of(x, y), order[k]};
+        }
+        kit::sort_by_code(codes);
+        for (Index k = 0; k < n; ++k) order[k] = codes[k].number;
     }
     // Of n >= 2 points from left to right, whose strips of `few` are cut across again, from the top down, into cells: so that
     // halves do not meet along lines much longer than they are wide, along which most edges are removed again.

@@ -85,14 +85,18 @@ struct CoarseColors {
         const double price = 1.4 * static_cast<double>(mean_area) / 256;
         return 1.2 * 1.386 / 12 * of_mean * of_mean * weight(is_rgb ? 0 : 3, is_rgb) * price;
     }
-    /// The step of a plane of a vertex, of which a vertex of a fourth of the mean area has twice that of the mean: so all errors
-    /// count the same. `area`: twice that of the faces around the vertex.
-    [[nodiscard]] std::int64_t step_of(std::int64_t area, std::size_t channel, bool is_rgb) const noexcept {
-        static constexpr std::array<std::int64_t, 4> shares{10, 12, 7, 17};  // of the vectors' lengths: 17.3, 17.0, 17.1, 17
+    /// The steps of a vertex in 16ths of those of one of mean area, 4 to 64: of a fourth of the area they are twice as large, so
+    /// that all errors count the same. `area`: twice that of the faces around the vertex.
+    [[nodiscard]] std::int64_t share_of(std::int64_t area) const noexcept {
         const std::int64_t ratio = std::max<std::int64_t>(16, std::min<std::int64_t>(mean_area / area, 4096));
-        std::int64_t root = 4;
-        while ((root + 1) * (root + 1) <= ratio) ++root;
-        return std::max<std::int64_t>(1, step * root * shares[is_rgb ? channel : 3] / 256);
+        std::int64_t root = 0;
+        for (std::int64_t digit = 64; digit > 0; digit /= 2) root += (root + digit) * (root + digit) <= ratio ? digit : 0;
+        return root;
+    }
+    /// The step of a plane of a vertex with such a share.
+    [[nodiscard]] std::int64_t step_of(std::int64_t share, std::size_t channel, bool is_rgb) const noexcept {
+        static constexpr std::array<std::int64_t, 4> shares{10, 12, 7, 17};  // of the vectors' lengths: 17.3, 17.0, 17.1, 17
+        return std::max<std::int64_t>(1, step * share * shares[is_rgb ? channel : 3] / 256);
     }
 };
 
@@ -117,7 +121,7 @@ class ColorCoder {
         for (std::size_t v = 0; v < n; ++v) {
             if (!used[v]) continue;
             foretelling_.look(mesh, used, v, last);
-            const std::int64_t area = is_coarse ? foretelling_.area(mesh) : 0;
+            const std::int64_t share = is_coarse ? coarse_->share_of(foretelling_.area(mesh)) : 0;
             std::uint32_t* const color = colors.data() + v * channels_;
             std::array<std::int64_t, 4> truth{};
             if (coder_->writes() && !is_coarse) {
@@ -133,7 +137,7 @@ class ColorCoder {
                 const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
                 Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
-                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(area, channel, is_rgb);
+                if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(share, channel, is_rgb);
                 plane.first = !is_coarse ? (plane.most + 1) / 2 : is_difference ? CoarseColors::middle : 2048;
                 const std::int64_t got = code_number(v, plane, truth[channel], before, turns);
                 if (got < 0) return false;
