@@ -16156,6 +16156,9 @@ class SearchProgress {
     std::array<int, 6> runs_of_{};  ///< by Work
 };
 
+/// The sentence of a search in which all went well and no mesh reached the PSNR.
+inline constexpr char psnr_not_reached[] = "no mesh of this image reached the PSNR asked for, in dB";
+
 namespace detail {
 
 /// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
@@ -16178,8 +16181,7 @@ class BestResult {
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
     [[nodiscard]] HMESH_COLD Result take() {
         if (result_.status && !is_reached())
-            result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
-                              result_.report.psnr, psnr_};
+            result_.status = {Errc::target_out_of_range, psnr_not_reached, result_.report.psnr, psnr_};
         return std::move(result_);
     }
     [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
@@ -16613,7 +16615,7 @@ template <int C>
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
     Result result = search(target.value, first, most);
-    if (result.status.code == Errc::target_out_of_range && is_bounded)
+    if (result.status.what == kit::psnr_not_reached && is_bounded)
         result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, subject.samples, peak);
 }

@@ -197,6 +197,11 @@ TEST_CASE("borders that cannot be are refused with a sentence") {
     const hmesh::Status few = status_of(of_points(Target::vertices(20)), recipe);
     CHECK(few.code == Errc::target_out_of_range);
     CHECK(std::string(hmesh::message(few).c_str()).find("limit 20)") != std::string::npos);
+    // A search that comes to fewer ends with the same sentence, whatever bounds it.
+    const hmesh::Status searched = status_of(of_points(Target::psnr(35, 20)), recipe);
+    CHECK(searched.code == Errc::target_out_of_range);
+    CHECK(searched.value == few.value);
+    CHECK(std::string(searched.what) == few.what);
     recipe.border_tolerance = 2;
     CHECK(status_of(Options{Target::vertices(300)}, recipe).code == Errc::invalid_argument);
     Options weighted = of_points(Target::vertices(300));

@@ -221,7 +221,7 @@ template <int C>
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
     Result result = search(target.value, first, most);
-    if (result.status.code == Errc::target_out_of_range && is_bounded)
+    if (result.status.what == kit::psnr_not_reached && is_bounded)
         result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
     return searched(std::move(result), options, subject.samples, peak);
 }

@@ -61,6 +61,9 @@ class SearchProgress {
     std::array<int, 6> runs_of_{};  ///< by Work
 };
 
+/// The sentence of a search in which all went well and no mesh reached the PSNR.
+inline constexpr char psnr_not_reached[] = "no mesh of this image reached the PSNR asked for, in dB";
+
 namespace detail {
 
 /// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
@@ -83,8 +86,7 @@ class BestResult {
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
     [[nodiscard]] HMESH_COLD Result take() {
         if (result_.status && !is_reached())
-            result_.status = {Errc::target_out_of_range, "no mesh of this image reached the PSNR asked for, in dB",
-                              result_.report.psnr, psnr_};
+            result_.status = {Errc::target_out_of_range, psnr_not_reached, result_.report.psnr, psnr_};
         return std::move(result_);
     }
     [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
