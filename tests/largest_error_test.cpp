@@ -85,3 +85,22 @@ TEST_CASE("a pixel of weight 0 does not count, one of a small weight does") {
     CHECK(error(0) == doctest::Approx(90));
     CHECK(error(0.01F) == doctest::Approx(200));
 }
+
+TEST_CASE("pixels are seen whose difference is less than what rounding takes of sums of 16 bits") {
+    constexpr int width = 1500, height = 1300;
+    for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+        CAPTURE(seed);
+        hmesh::kit::Random random(seed);
+        const auto level = static_cast<std::uint16_t>(65535 - random.below(2000));
+        Image<std::uint16_t, 3> image(width, height);
+        std::fill_n(image.data(), image.size(), level);
+        // One by 2 in the lower face, one by 3 in the upper one.
+        *image.pixel(static_cast<int>(random.below(100)), height - 2) = static_cast<std::uint16_t>(level - 2);
+        *image.pixel(width - 100 + static_cast<int>(random.below(99)), 1) = static_cast<std::uint16_t>(level - 3);
+        const ImageSource<3> source(image.view());
+        const auto table = source.table({0, 0, width, height});
+        ImageMesh<3> mesh(table, 0, 65535);
+        REQUIRE(mesh.assign({{0, 0}, {width, 0}, {width, height}, {0, height}}, {{0, 1, 2}, {0, 2, 3}}));
+        CHECK(largest_error(mesh) == doctest::Approx(3).epsilon(1e-9));
+    }
+}
