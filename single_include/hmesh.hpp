@@ -1592,8 +1592,14 @@ struct Turns {
     return turned(p, turns_into(p, 0, 0, torus), torus);
 }
 
-/// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
-/// O(n log n).
+/// Whether p is where a vertex of a sheet may be: no more than 64 sizes of the image from its origin. False for NaN.
+[[nodiscard]] inline bool is_near(const Point& p, const Torus& torus) noexcept {
+    const auto is_along = [](double x, int size) { return is_within(x, -64.0 * size, 64.0 * size) && size > 0; };
+    return is_along(p.x, torus.width) && is_along(p.y, torus.height);
+}
+
+/// For each vertex of a sheet, all of which are near, the first one that is in the same place of the torus, itself where there is
+/// none before. O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
@@ -1734,10 +1740,10 @@ namespace detail {
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
     const Array<Point> positions = positions_of(mesh);
-    for (std::size_t v = 0; v < positions.size(); ++v)
-        if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const Torus torus{mesh.width, mesh.height, mesh.periodic};
+    for (std::size_t v = 0; v < positions.size(); ++v)
+        if (!is_near(positions[v], torus))
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const Array<std::uint32_t> roots = tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)
@@ -12592,9 +12598,7 @@ namespace detail {
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];
-        const auto is_far = [](double x, int size) { return !(std::abs(x) <= 64.0 * size); };
-        if (is_far(p.x, torus.width) || is_far(p.y, torus.height))
-            return {Errc::invalid_argument, "a vertex is far outside the image", v};
+        if (!is_near(p, torus)) return {Errc::invalid_argument, "a vertex is far outside the image", v};
         if (std::floor(p.x * grid_steps) != p.x * grid_steps || std::floor(p.y * grid_steps) != p.y * grid_steps)
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
@@ -12712,7 +12716,12 @@ template <int C>
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
-    if (to.periodic != Periodic::none) to.roots = tied_vertices(to.positions, to.torus());
+    if (to.periodic != Periodic::none) {
+        const bool is_sheet =
+            std::all_of(to.positions.begin(), to.positions.end(), [&](const Point& p) { return is_near(p, to.torus()); });
+        if (is_sheet) to.roots = tied_vertices(to.positions, to.torus());
+        for (std::uint32_t v = 0; !is_sheet && v < to.vertex_count(); ++v) to.roots.push_back(v);  // which check() refuses
+    }
     to.count_copies();
     return to;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -324,4 +325,27 @@ TEST_CASE("plain arrays of other channels, or that are not of one number of vert
     bad = good;
     bad.positions[8] = 8;  // vertex 4: a face without area
     CHECK(!check(kit::to_indexed_mesh<1>(bad)));
+}
+
+TEST_CASE("a periodic mesh in plain arrays may have any numbers for positions and size: check() refuses it") {
+    IndexedMesh<1> square = whole(8, 6, {{0, 0}, {8, 0}, {8, 6}, {0, 6}}, {{0, 1, 2}, {0, 2, 3}});
+    square.periodic = hmesh::Periodic::xy;
+    const hmesh::Mesh good = kit::to_mesh(square, 255);
+    CHECK(check(kit::to_indexed_mesh<1>(good)));
+    CHECK(kit::to_indexed_mesh<1>(good).copy_count == 3);
+    const auto refuses = [](const hmesh::Mesh& mesh) {
+        const IndexedMesh<1> bad = kit::to_indexed_mesh<1>(mesh);
+        return bad.roots.size() == 4 && bad.copy_count == 0 && fault(bad).first == "a vertex is far outside the image";
+    };
+    for (const float far :
+         {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F, -1e30F, 3e9F}) {
+        hmesh::Mesh bad = good;
+        bad.positions[5] = far;
+        CHECK(refuses(bad));
+    }
+    for (const int size : {0, -1, std::numeric_limits<int>::min()}) {
+        hmesh::Mesh bad = good;
+        bad.width = size;
+        CHECK(refuses(bad));
+    }
 }

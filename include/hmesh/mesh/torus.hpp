@@ -17,6 +17,7 @@
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -71,8 +72,14 @@ struct Turns {
     return turned(p, turns_into(p, 0, 0, torus), torus);
 }
 
-/// For each vertex of a sheet, the first one that is in the same place of the torus, itself where there is none before.
-/// O(n log n).
+/// Whether p is where a vertex of a sheet may be: no more than 64 sizes of the image from its origin. False for NaN.
+[[nodiscard]] inline bool is_near(const Point& p, const Torus& torus) noexcept {
+    const auto is_along = [](double x, int size) { return is_within(x, -64.0 * size, 64.0 * size) && size > 0; };
+    return is_along(p.x, torus.width) && is_along(p.y, torus.height);
+}
+
+/// For each vertex of a sheet, all of which are near, the first one that is in the same place of the torus, itself where there is
+/// none before. O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
@@ -213,10 +220,10 @@ namespace detail {
     if (const Status status = check(mesh, 16); !status) return status;
     if (mesh.width < 1 || mesh.height < 1) return {Errc::invalid_argument, "the mesh's width and height must be at least 1"};
     const Array<Point> positions = positions_of(mesh);
-    for (std::size_t v = 0; v < positions.size(); ++v)
-        if (std::abs(positions[v].x) > 64.0 * mesh.width || std::abs(positions[v].y) > 64.0 * mesh.height)
-            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const Torus torus{mesh.width, mesh.height, mesh.periodic};
+    for (std::size_t v = 0; v < positions.size(); ++v)
+        if (!is_near(positions[v], torus))
+            return {Errc::invalid_argument, "the mesh has a position far outside its image, at vertex", v};
     const Array<std::uint32_t> roots = tied_vertices(positions, torus);
     const auto channels = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < positions.size(); ++v)

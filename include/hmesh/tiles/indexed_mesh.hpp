@@ -79,9 +79,7 @@ namespace detail {
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];
-        const auto is_far = [](double x, int size) { return !(std::abs(x) <= 64.0 * size); };
-        if (is_far(p.x, torus.width) || is_far(p.y, torus.height))
-            return {Errc::invalid_argument, "a vertex is far outside the image", v};
+        if (!is_near(p, torus)) return {Errc::invalid_argument, "a vertex is far outside the image", v};
         if (std::floor(p.x * grid_steps) != p.x * grid_steps || std::floor(p.y * grid_steps) != p.y * grid_steps)
             return {Errc::invalid_argument, "a vertex is off the grid", v};
     }
@@ -199,7 +197,12 @@ template <int C>
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
-    if (to.periodic != Periodic::none) to.roots = tied_vertices(to.positions, to.torus());
+    if (to.periodic != Periodic::none) {
+        const bool is_sheet =
+            std::all_of(to.positions.begin(), to.positions.end(), [&](const Point& p) { return is_near(p, to.torus()); });
+        if (is_sheet) to.roots = tied_vertices(to.positions, to.torus());
+        for (std::uint32_t v = 0; !is_sheet && v < to.vertex_count(); ++v) to.roots.push_back(v);  // which check() refuses
+    }
     to.count_copies();
     return to;
 }
