@@ -3647,12 +3647,13 @@ class BoundedPieces {
         Sheet whole = joined(pieces);
         if (!is_whole || !field_->data.empty()) weld(whole);
         set_freedom(whole, *field_, recipe_.free_borders);
-        if (!progress_->end(whole.vertices.size(), energy(whole)) || is_draft || whole.faces.empty()) return whole;
+        double reached = energy(whole);
+        if (!progress_->end(whole.vertices.size(), reached) || is_draft || whole.faces.empty()) return whole;
 
         const char* const names[] = {"removal", "seams", "seams", "seams"};
         const bool shifts[][2] = {{false, false}, {true, true}, {true, false}, {false, true}};
         for (int phase = 0; phase < (is_whole ? 1 : 4); ++phase) {
-            if (!progress_->begin(names[phase], whole.vertices.size(), 0)) break;
+            if (!progress_->begin(names[phase], whole.vertices.size(), reached)) break;
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
@@ -3660,7 +3661,8 @@ class BoundedPieces {
                 shrink_piece(pieces[k], share, phase > 0 ? 6 : recipe_.effort == Bounded::Effort::best ? 30 : 14);
             });
             whole = joined(pieces, whole);
-            if (!progress_->end(whole.vertices.size(), energy(whole))) break;
+            reached = energy(whole);
+            if (!progress_->end(whole.vertices.size(), reached)) break;
         }
         return whole;
     }
@@ -4032,8 +4034,9 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
         case Bounded::Effort::normal: progress.plan({2, 50, 1}); break;
         default: progress.plan({2, 120, 1}); break;
     }
+    double reached = 0;  // the energy of the last sheet
     const auto energy = [&](const kit::Sheet& sheet) {
-        return prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
+        return reached = prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
     };
     const kit::Sheet sheet = kit::BoundedPieces(field, limits, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
@@ -4043,7 +4046,7 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
         return result;
     }
     result.mesh = bounded_mesh(sheet, field, peak);
-    progress.begin_last("proof", sheet.vertices.size(), 0);
+    progress.begin_last("proof", sheet.vertices.size(), reached);
     const kit::Proof proof = prove(result.mesh.view(), field, read, parallel_for);
     if (!proof.is_cover || proof.max_error > recipe.max_error) {
         // Not to be expected; but no mesh is returned as one that holds which does not.

@@ -564,17 +564,20 @@ TEST_CASE("a cancelled run returns a mesh within the bound, or none while sample
     int meshes = 0, none = 0;
     for (int last = 1; last < 200; last = 2 * last + 1) {
         int calls = 0;
-        double total = 0;
-        bool rises = true;
+        double total = 0, energy = 0;
+        bool rises = true, is_told = true;
         const auto progress = [&](const hmesh::ProgressInfo& info) {
             rises = rises && info.total >= total && info.total <= 1;
             total = info.total;
+            is_told = is_told && (energy == 0 || info.energy > 0);  // once there is a mesh
+            energy = info.energy;
             return ++calls < last;
         };
         hmesh::Options options = options_of(terrain, Samples::points);
         options.progress = progress;
         const hmesh::Result result = hmesh::mesh_image(terrain.view(), options, Bounded{20, Effort::best});
         CHECK(rises);
+        CHECK(is_told);
         if (result.status) {
             CHECK(total == 1);
             continue;

@@ -126,12 +126,13 @@ class BoundedPieces {
         Sheet whole = joined(pieces);
         if (!is_whole || !field_->data.empty()) weld(whole);
         set_freedom(whole, *field_, recipe_.free_borders);
-        if (!progress_->end(whole.vertices.size(), energy(whole)) || is_draft || whole.faces.empty()) return whole;
+        double reached = energy(whole);
+        if (!progress_->end(whole.vertices.size(), reached) || is_draft || whole.faces.empty()) return whole;
 
         const char* const names[] = {"removal", "seams", "seams", "seams"};
         const bool shifts[][2] = {{false, false}, {true, true}, {true, false}, {false, true}};
         for (int phase = 0; phase < (is_whole ? 1 : 4); ++phase) {
-            if (!progress_->begin(names[phase], whole.vertices.size(), 0)) break;
+            if (!progress_->begin(names[phase], whole.vertices.size(), reached)) break;
             progress_->set_range(0, 1);
             pieces = detail::cut(whole, tiling(shifts[phase][0], shifts[phase][1]));
             const double share = 1.0 / static_cast<double>(pieces.size());
@@ -139,7 +140,8 @@ class BoundedPieces {
                 shrink_piece(pieces[k], share, phase > 0 ? 6 : recipe_.effort == Bounded::Effort::best ? 30 : 14);
             });
             whole = joined(pieces, whole);
-            if (!progress_->end(whole.vertices.size(), energy(whole))) break;
+            reached = energy(whole);
+            if (!progress_->end(whole.vertices.size(), reached)) break;
         }
         return whole;
     }
