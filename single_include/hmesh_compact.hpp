@@ -4220,7 +4220,11 @@ template <class T, int C>
         }
     }
     out.mesh = read_file(out.bytes, options).mesh;
-    if (runs.are_heard()) (void)options.progress({"compact image", 1, out.mesh.vertex_count(), 0, 1, {}});
+    if (runs.are_heard() && !options.progress({"compact image", 1, out.mesh.vertex_count(), 0, 1, {}})) {
+        out = {};
+        out.status = kit::cancelled_by_callback();
+        return out;
+    }
     out.psnr = drawn_psnr(out.mesh, view, parallel_for);
     return out;
 }
