@@ -6521,7 +6521,8 @@ namespace hmesh::kit {
         return {Errc::invalid_argument, "channel_weights must have one weight for each channel of the image",
                 static_cast<std::int64_t>(weights.size()), channels};
     for (const double weight : weights)
-        if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
+        if (const Status status = check_ranges({{"a weight of a channel must be in [0, 1e30]", weight, 0, 1e30}}); !status)
+            return status;
     if (*std::max_element(weights.begin(), weights.end()) == 0)
         return {Errc::invalid_argument, "the weights of the channels are all 0"};
     return {};
@@ -6923,7 +6924,6 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 namespace hmesh {
@@ -7152,9 +7152,12 @@ struct Annealed {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
                     tile < 64 ? 64 : kit::max_side};
-        if (border_tolerance && !kit::is_within(*border_tolerance, 0, static_cast<double>(std::numeric_limits<float>::max())))
-            return {Errc::invalid_argument, "border_tolerance must be at least 0 and finite, in stored values", *border_tolerance,
-                    0};
+        if (border_tolerance)
+            if (const Status status =
+                    kit::check_ranges({{"border_tolerance must be at least 0 and a finite float, in stored values",
+                                        *border_tolerance, 0, PixelTraits<float>::highest}});
+                !status)
+                return status;
         if (steps) return kit::check(*steps);
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort),

@@ -193,6 +193,8 @@ TEST_CASE("borders that cannot be are refused with a sentence") {
         recipe.border_tolerance = tolerance;
         CHECK(status_of(of_points(Target::vertices(100)), recipe).code == Errc::invalid_argument);
     }
+    recipe.border_tolerance = 1e300;
+    CHECK(status_of(of_points(Target::vertices(100)), recipe).limit == std::numeric_limits<float>::max());
     recipe.border_tolerance = 0;
     const hmesh::Status few = status_of(of_points(Target::vertices(20)), recipe);
     CHECK(few.code == Errc::target_out_of_range);

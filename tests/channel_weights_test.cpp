@@ -107,6 +107,8 @@ TEST_CASE("weights must be one for each channel, finite, not negative, and not a
     CHECK(refused({1, infinity, 1}) == Errc::invalid_argument);
     CHECK(refused({1, 1, std::nan("")}) == Errc::invalid_argument);
     CHECK(refused({0, 0, 0}) == Errc::invalid_argument);
+    CHECK(hmesh::kit::check_channel_weights({1, 1, 2e30}, 3).limit == 1e30);
+    CHECK(hmesh::kit::check_channel_weights({1, 1, -1}, 3).limit == 0);
     const auto image = hmesh_test::noise<std::uint8_t, 3>(9, 9, 1);
     const Result result = mesh_image(image.view(), options_of(8, {1, 1}));
     CHECK(result.status.code == Errc::invalid_argument);

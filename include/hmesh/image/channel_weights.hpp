@@ -16,7 +16,6 @@
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_view.hpp"
 
@@ -32,7 +31,8 @@ namespace hmesh::kit {
         return {Errc::invalid_argument, "channel_weights must have one weight for each channel of the image",
                 static_cast<std::int64_t>(weights.size()), channels};
     for (const double weight : weights)
-        if (!is_within(weight, 0, 1e30)) return {Errc::invalid_argument, "a weight of a channel must be in [0, 1e30]", weight, 0};
+        if (const Status status = check_ranges({{"a weight of a channel must be in [0, 1e30]", weight, 0, 1e30}}); !status)
+            return status;
     if (*std::max_element(weights.begin(), weights.end()) == 0)
         return {Errc::invalid_argument, "the weights of the channels are all 0"};
     return {};

@@ -10,11 +10,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/tolerance.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -250,9 +248,12 @@ struct Annealed {
         if (tile != 0 && (tile < 64 || tile > kit::max_side))
             return {Errc::invalid_argument, "the tile must be 0, for the default, or 64 to 65536 px", tile,
                     tile < 64 ? 64 : kit::max_side};
-        if (border_tolerance && !kit::is_within(*border_tolerance, 0, static_cast<double>(std::numeric_limits<float>::max())))
-            return {Errc::invalid_argument, "border_tolerance must be at least 0 and finite, in stored values", *border_tolerance,
-                    0};
+        if (border_tolerance)
+            if (const Status status =
+                    kit::check_ranges({{"border_tolerance must be at least 0 and a finite float, in stored values",
+                                        *border_tolerance, 0, PixelTraits<float>::highest}});
+                !status)
+                return status;
         if (steps) return kit::check(*steps);
         if (effort <= Effort::best) return {};
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(effort),
