@@ -1844,10 +1844,12 @@ enum class Premultiplied : std::uint8_t {
     kept,          ///< as they are; the view says whether they are premultiplied
     divided,       ///< divided by alpha / peak and held to [0, peak]
     divided_only,  ///< divided, and held only to what floats can say, as shares of the peak too
+    grouped,       ///< as they are, of 2 channels too: groups say what each of them means
 };
 
-/// A mesh as exporters write it: with 1, 3 or 4 channels and, if it is so wanted, straight colours. Where the mesh has them
-/// already it is a view of it and nothing is copied; else it has colours of its own, 16 bytes a vertex.
+/// A mesh as exporters write it: with 1, 3 or 4 channels, but as many as it has where they are grouped, and, if it is so wanted,
+/// straight colours. Where the mesh has them already it is a view of it and nothing is copied; else it has colours of its own,
+/// 16 bytes a vertex.
 ///
 /// Vertices without alpha have no straight colour. They take the mean of those with which they share faces, weighted by
 /// alpha, so that no fringe runs into the faces between; black where all of those are transparent. Between vertices the
@@ -1857,6 +1859,7 @@ class ExportMesh {
   public:
     /// Of a mesh that check_for_export() accepts and that outlives this one.
     ExportMesh(const MeshView& mesh, Premultiplied wanted) : view_(mesh) {
+        if (wanted == Premultiplied::grouped) return;
         if (mesh.channels == 2) spread_gray();
         if (wanted != Premultiplied::kept && view_.premultiplied && view_.channels == 4)
             divide_by_alpha(wanted == Premultiplied::divided);
@@ -3480,6 +3483,11 @@ struct GlbMesh {
     }
 };
 
+/// How the colours of meshes are wanted.
+[[nodiscard]] inline Premultiplied wanted_colors(const GltfOptions& options) noexcept {
+    return options.groups.is_empty() ? Premultiplied::divided : Premultiplied::grouped;
+}
+
 /// Appends the array of the indices of so many vertices and faces, and returns its number.
 HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, std::size_t vertices, std::size_t faces) {
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
@@ -3642,7 +3650,7 @@ inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& op
     }
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
-    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const detail::ExportMesh exported(source, detail::wanted_colors(options));
     const MeshView& mesh = exported.view();
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
         detail::write_glb_array(writer, mesh, out.contents[i], out.file.arrays[i], out.grid, options);
@@ -5216,8 +5224,9 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
 /// `alpha` for 4 and for grey with alpha, one `uchar intensity` for 1; 255 is the mesh's peak, and alpha is straight. The file is
 /// binary and little-endian unless it is asked to be text.
 ///
-/// Groups of channels (io/channel_groups.hpp) are properties in their order: the first colour as above, a normal `float nx ny nz`
-/// of length 1, and of all else `uchar NAME`, or NAME_0, NAME_1 and so on where a group has several channels.
+/// Groups of channels (io/channel_groups.hpp) are properties in their order: the first colour as above, but grey with alpha as
+/// `uchar intensity alpha`, a normal as `float nx ny nz` of length 1, and all else as `uchar NAME`, or NAME_0, NAME_1 and so on
+/// where a group has several channels.
 ///
 /// 15 bytes a vertex of 3 channels and 13 a face. O(n); nothing is allocated unless there is alpha.
 /// Source: Greg Turk, The PLY Polygon File Format, 1994.
@@ -5343,7 +5352,9 @@ class PlyNumbers {
 /// check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
+    const auto wanted = !options.groups.is_empty() ? detail::Premultiplied::grouped
+                        : options.float_colors     ? detail::Premultiplied::divided_only
+                                                   : detail::Premultiplied::divided;
     const detail::ExportMesh exported(source, wanted);
     const MeshView& mesh = exported.view();
     detail::Writer writer(sink);

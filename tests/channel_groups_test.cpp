@@ -13,6 +13,7 @@
 #include "hmesh/core/random.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/io/gltf.hpp"
+#include "hmesh/io/gltf_lods.hpp"
 #include "hmesh/io/ply.hpp"
 #include "test_exports.hpp"
 
@@ -199,6 +200,45 @@ TEST_CASE("one group that is a colour writes what no groups write") {
             });
         };
         CHECK(with(ply) == with({}));
+    }
+}
+
+TEST_CASE("of a mesh of two channels each is of its own group, and a group of both is grey with alpha") {
+    const hmesh::Mesh mesh = random_mesh(2);
+    const std::array<ChannelGroup, 2> apart = {
+        {{"rough", ChannelGroup::Meaning::data, 1}, {"metal", ChannelGroup::Meaning::data, 1}}};
+    hmesh::GltfOptions glb;
+    glb.groups = view(apart);
+    const Bytes bytes = written(mesh, glb);
+    const std::vector<double> rough = GlbAttributes(bytes).values("_ROUGH"), metal = GlbAttributes(bytes).values("_METAL");
+    REQUIRE(rough.size() == 4);
+    REQUIRE(metal.size() == 4);
+    for (std::size_t v = 0; v < 4; ++v) {
+        CHECK(std::abs(rough[v] - share(mesh, v, 0)) < 1e-5);
+        CHECK(std::abs(metal[v] - share(mesh, v, 1)) < 1e-5);
+    }
+    hmesh::Mesh coarse = mesh;  // one face, and a level of detail of the first
+    coarse.positions.resize(6), coarse.colors.resize(6), coarse.faces.resize(1);
+    const Bytes lods = hmesh_test::exported(mesh.view(), [&](const hmesh::MeshView& from, hmesh::Sink sink) {
+        return hmesh::write_glb_lods({from, coarse.view()}, sink, glb);
+    });
+    CHECK(GlbAttributes(lods).values("_METAL") == metal);  // of the finest, which comes first
+
+    const std::array<ChannelGroup, 1> both = {{{"albedo", ChannelGroup::Meaning::color, 2}}};
+    const Bytes plain = written(mesh, {});
+    glb.groups = view(both);
+    CHECK(written(mesh, glb) == plain);
+    hmesh::PlyOptions ply;
+    ply.ascii = true;
+    for (const ChannelGroups& groups : {view(apart), view(both)}) {
+        ply.groups = groups;
+        const std::string text = hmesh_test::as_text(hmesh_test::exported(
+            mesh.view(), [&](const hmesh::MeshView& from, hmesh::Sink sink) { return hmesh::write_ply(from, sink, ply); }));
+        const char* const properties = groups.count == 1 ? "property uchar intensity\nproperty uchar alpha\n"
+                                                         : "property uchar rough\nproperty uchar metal\n";
+        CHECK(text.find(properties) != std::string::npos);
+        const auto byte = [&](std::size_t channel) { return std::to_string(std::lround(255 * share(mesh, 0, channel))); };
+        CHECK(text.find("end_header\n0 2 0 " + byte(0) + " " + byte(1) + "\n") != std::string::npos);
     }
 }
 

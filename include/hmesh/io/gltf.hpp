@@ -181,6 +181,11 @@ struct GlbMesh {
     }
 };
 
+/// How the colours of meshes are wanted.
+[[nodiscard]] inline Premultiplied wanted_colors(const GltfOptions& options) noexcept {
+    return options.groups.is_empty() ? Premultiplied::divided : Premultiplied::grouped;
+}
+
 /// Appends the array of the indices of so many vertices and faces, and returns its number.
 HMESH_COLD inline std::uint32_t add_indices(GlbMesh& out, std::size_t vertices, std::size_t faces) {
     // 65535 and 2^32 - 1 must not be used as indices: they mean a restart to GPUs.
@@ -343,7 +348,7 @@ inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& op
     }
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
-    const detail::ExportMesh exported(source, detail::Premultiplied::divided);
+    const detail::ExportMesh exported(source, detail::wanted_colors(options));
     const MeshView& mesh = exported.view();
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
         detail::write_glb_array(writer, mesh, out.contents[i], out.file.arrays[i], out.grid, options);

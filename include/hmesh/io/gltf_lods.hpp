@@ -133,7 +133,7 @@ inline Status write_glb_parts(const std::vector<std::vector<MeshView>>& levels, 
         file.coverages.push_back(next / static_cast<double>(detail::vertices_of(levels.front())));
     }
     std::deque<detail::ExportMesh> exported;  // where they stay
-    for (const MeshView& mesh : out.meshes) exported.emplace_back(mesh, detail::Premultiplied::divided);
+    for (const MeshView& mesh : out.meshes) exported.emplace_back(mesh, detail::wanted_colors(options));
 
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
         const auto& [k, content] = out.sources[i];

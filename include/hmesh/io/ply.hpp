@@ -6,8 +6,9 @@
 /// `alpha` for 4 and for grey with alpha, one `uchar intensity` for 1; 255 is the mesh's peak, and alpha is straight. The file is
 /// binary and little-endian unless it is asked to be text.
 ///
-/// Groups of channels (io/channel_groups.hpp) are properties in their order: the first colour as above, a normal `float nx ny nz`
-/// of length 1, and of all else `uchar NAME`, or NAME_0, NAME_1 and so on where a group has several channels.
+/// Groups of channels (io/channel_groups.hpp) are properties in their order: the first colour as above, but grey with alpha as
+/// `uchar intensity alpha`, a normal as `float nx ny nz` of length 1, and all else as `uchar NAME`, or NAME_0, NAME_1 and so on
+/// where a group has several channels.
 ///
 /// 15 bytes a vertex of 3 channels and 13 a face. O(n); nothing is allocated unless there is alpha.
 /// Source: Greg Turk, The PLY Polygon File Format, 1994.
@@ -143,7 +144,9 @@ class PlyNumbers {
 /// check() refuses, give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_ply(const MeshView& source, Sink sink, const PlyOptions& options = {}) {
     if (const Status status = detail::check_for_ply(source, options); !status) return status;
-    const auto wanted = options.float_colors ? detail::Premultiplied::divided_only : detail::Premultiplied::divided;
+    const auto wanted = !options.groups.is_empty() ? detail::Premultiplied::grouped
+                        : options.float_colors     ? detail::Premultiplied::divided_only
+                                                   : detail::Premultiplied::divided;
     const detail::ExportMesh exported(source, wanted);
     const MeshView& mesh = exported.view();
     detail::Writer writer(sink);

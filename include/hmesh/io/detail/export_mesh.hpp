@@ -91,10 +91,12 @@ enum class Premultiplied : std::uint8_t {
     kept,          ///< as they are; the view says whether they are premultiplied
     divided,       ///< divided by alpha / peak and held to [0, peak]
     divided_only,  ///< divided, and held only to what floats can say, as shares of the peak too
+    grouped,       ///< as they are, of 2 channels too: groups say what each of them means
 };
 
-/// A mesh as exporters write it: with 1, 3 or 4 channels and, if it is so wanted, straight colours. Where the mesh has them
-/// already it is a view of it and nothing is copied; else it has colours of its own, 16 bytes a vertex.
+/// A mesh as exporters write it: with 1, 3 or 4 channels, but as many as it has where they are grouped, and, if it is so wanted,
+/// straight colours. Where the mesh has them already it is a view of it and nothing is copied; else it has colours of its own,
+/// 16 bytes a vertex.
 ///
 /// Vertices without alpha have no straight colour. They take the mean of those with which they share faces, weighted by
 /// alpha, so that no fringe runs into the faces between; black where all of those are transparent. Between vertices the
@@ -104,6 +106,7 @@ class ExportMesh {
   public:
     /// Of a mesh that check_for_export() accepts and that outlives this one.
     ExportMesh(const MeshView& mesh, Premultiplied wanted) : view_(mesh) {
+        if (wanted == Premultiplied::grouped) return;
         if (mesh.channels == 2) spread_gray();
         if (wanted != Premultiplied::kept && view_.premultiplied && view_.channels == 4)
             divide_by_alpha(wanted == Premultiplied::divided);
