@@ -95,6 +95,22 @@ def test_the_psnr_of_each_image_is_told_and_that_of_its_picture(maps):
     assert re.findall(r"^written +(.*)$", out, re.M) == ["x_albedo.png", "x_normal.png", "x_rough.png"]
 
 
+def test_pictures_of_periodic_maps_are_whole(maps):
+    report = maps.report("rock_albedo.png --with rock_rough.png --vertices 250 --periodic xy --render x.png")
+    for m in report["maps"]:
+        assert psnr(m["file"], f"x_{m['name']}.png") == pytest.approx(m["psnr"], abs=0.1)
+    mean = sum(m["channels"] * 10 ** (-m["psnr"] / 10) for m in report["maps"]) / 4
+    assert report["psnr"] == pytest.approx(-10 * math.log10(mean), abs=0.01)
+
+
+def test_two_maps_of_one_channel_keep_their_values(maps):
+    Image.new("L", (96, 64), 40).save("a.png")
+    Image.new("L", (96, 64), 200).save("b.png")
+    maps.done("a.png --with b.png --vertices 10 -o x.ply -o x.glb -q")
+    assert {(vertex["intensity"], vertex["b"]) for vertex in ply_vertices("x.ply")[1]} == {(40, 200)}
+    assert [value for (value,) in Glb("x.glb").attributes["_B"]] == pytest.approx([200 / 255] * 10, abs=1e-4)
+
+
 def test_weights_of_images_and_of_channels_move_the_psnr(maps):
     images = "rock_albedo.png --with rock_normal.png --with rock_rough.png --vertices 150 "
     even, albedo, by_channel, rough = [maps.report(images + more)["maps"] for more in [

@@ -92,7 +92,7 @@ hmesh::Mesh mesh_of(const Map& map, const hmesh::Mesh& mesh) {
     part.faces = mesh.faces;
     part.channels = map.channels;
     part.width = mesh.width, part.height = mesh.height;
-    part.samples = mesh.samples;
+    part.periodic = mesh.periodic, part.samples = mesh.samples;
     part.peak = mesh.peak;
     const auto all = static_cast<std::size_t>(mesh.channels);
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
