@@ -1598,12 +1598,12 @@ struct Turns {
     return is_along(p.x, torus.width) && is_along(p.y, torus.height);
 }
 
-/// For each vertex of a sheet, all of which are near, the first one that is in the same place of the torus, itself where there is
-/// none before. O(n log n).
+/// For each vertex of a sheet the first one that is in the same place of the torus, itself where there is none before. Vertices
+/// that are not near are at no place but their own. O(n log n).
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> tied_vertices(const Array<Point>& positions, const Torus& torus) {
     Array<Point> places;
     places.reserve(positions.size());
-    for (const Point p : positions) places.push_back(inside(p, torus));
+    for (const Point p : positions) places.push_back(is_near(p, torus) ? inside(p, torus) : p);
     Array<std::uint32_t> roots(positions.size());
     std::uint32_t root = 0xffffffffU;
     for (const Coded& at : sorted_numbers(

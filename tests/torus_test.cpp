@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -57,6 +58,12 @@ TEST_CASE("vertices in one place of the torus are tied to the first of them") {
     const std::vector<Point> positions{{0, 0}, {8, 0}, {3, 1}, {3, 7}, {-5, -5}, {8, 6}};
     CHECK((hmesh::kit::tied_vertices(positions, {8, 6, Periodic::xy}) == std::vector<std::uint32_t>{0, 0, 2, 2, 2, 0}));
     CHECK((hmesh::kit::tied_vertices(positions, {8, 6, Periodic::x}) == std::vector<std::uint32_t>{0, 0, 2, 3, 4, 5}));
+}
+
+TEST_CASE("vertices far away, or at no place, are tied to none") {
+    const double nan = std::numeric_limits<double>::quiet_NaN(), huge = std::numeric_limits<double>::max();
+    const std::vector<Point> positions{{0, 0}, {800, 0}, {0, -600}, {nan, 0}, {0, huge}, {-huge, nan}, {8, 6}};
+    CHECK((hmesh::kit::tied_vertices(positions, {8, 6, Periodic::xy}) == std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 0}));
 }
 
 TEST_CASE("a sheet of a torus is accepted, straight or jagged, and the same sheet of a cylinder") {
