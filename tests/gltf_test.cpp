@@ -495,4 +495,24 @@ TEST_CASE("a mesh of nothing is a scene of nothing: accessors have one element a
         CHECK(json.find("\"scene\":0,\"scenes\":[{}]}") != std::string::npos);
         for (const char* word : {"accessors", "meshes", "buffers", "nodes"}) CHECK(json.find(word) == std::string::npos);
     });
+
+    hmesh::Mesh nothing = hmesh_test::two_faces(3);
+    nothing.positions.clear(), nothing.colors.clear(), nothing.faces.clear();
+    const auto is_written = [&](const hmesh::GltfOptions& options) {
+        std::size_t bytes = 0;
+        const auto count = [&](const void*, std::size_t size) { return bytes += size, true; };
+        const bool is_ok = static_cast<bool>(hmesh::write_glb(nothing.view(), count, options));
+        CHECK(is_ok == (bytes > 0));
+        return is_ok;
+    };
+    hmesh::GltfOptions options;
+    for (const bool is_quantized : {false, true}) {
+        options.quantized_positions = is_quantized;
+        CHECK(is_written(options));
+    }
+    options.longer_side = -1;
+    CHECK_FALSE(is_written(options));
+    options.longer_side = 1;
+    options.color_bits = 9;
+    CHECK_FALSE(is_written(options));
 }

@@ -342,12 +342,9 @@ inline void write_glb_array(Writer& writer, const MeshView& mesh, GlbContent con
 /// refuses, a longer side that is negative or no float, and bits other than 8 and 16 give a Status that says so, and no byte is
 /// written; a sink that refuses bytes and a compressor that fails give Errc::write_failed.
 inline Status write_glb(const MeshView& source, Sink sink, const GltfOptions& options = {}) {
-    if (source.vertex_count == 0 && source.face_count == 0) {
-        if (const Status status = detail::check_for_export(source); !status) return status;
-        return detail::write_empty_glb(sink);
-    }
     detail::GlbMesh out;
     if (const Status status = detail::lay_out_glb(source, options, out); !status) return status;
+    if (source.vertex_count == 0) return detail::write_empty_glb(sink);
     const detail::ExportMesh exported(source, detail::wanted_colors(options));
     const MeshView& mesh = exported.view();
     const auto fill = [&](detail::Writer& writer, std::size_t i) {
