@@ -7806,6 +7806,10 @@ class MomentTable {
         out.by_column.set(C, sums[lanes + C] + (last * last).sum());
         return out;
     }
+    /// The sum of the squares of a row's samples, of all channels; where is_int32() without the last one of an odd number.
+    [[nodiscard]] double squares(int y) const noexcept {
+        return int32_ ? pair(width_, y)[lanes + C] : entries()[offset(width_, y) + lanes + C];
+    }
     /// Where entries (x, y) of even and odd x begin whose sums are 32-bit integers: the two halves of that of even x, in which
     /// lane C of the first and the lanes above it mean nothing, and what beyond() reads. Only if is_int32().
     [[nodiscard]] HMESH_ALWAYS_INLINE const std::int32_t* pair(int x, int y) const noexcept {
@@ -12727,12 +12731,7 @@ template <int C>
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
-    if (to.periodic != Periodic::none) {
-        const bool is_sheet =
-            std::all_of(to.positions.begin(), to.positions.end(), [&](const Point& p) { return is_near(p, to.torus()); });
-        if (is_sheet) to.roots = tied_vertices(to.positions, to.torus());
-        for (std::uint32_t v = 0; !is_sheet && v < to.vertex_count(); ++v) to.roots.push_back(v);  // which check() refuses
-    }
+    if (to.periodic != Periodic::none) to.roots = tied_vertices(to.positions, to.torus());
     to.count_copies();
     return to;
 }
@@ -15332,9 +15331,9 @@ template <int C>
 /// and some dozen times after that, each time to 2^-53 of at most the sum of all squares. Of a photograph of a megapixel that is
 /// 0.02 for 8 bits and 1e3 for 16 bits: next to the square of the largest difference little, unless the mesh nearly is the image.
 template <int C>
-[[nodiscard]] double lost_energy(const MomentTable<C>& table) {
+[[nodiscard]] HMESH_COLD double lost_energy(const MomentTable<C>& table) {
     double squares = 0;
-    for (int y = 0; y < table.height(); ++y) squares += table.entry(table.width(), y).by_column[C];
+    for (int y = 0; y < table.height(); ++y) squares += table.squares(y);
     return (3.0 * table.height() + 64) * squares / 9007199254740992.0;
 }
 

@@ -335,7 +335,7 @@ TEST_CASE("a periodic mesh in plain arrays may have any numbers for positions an
     CHECK(kit::to_indexed_mesh<1>(good).copy_count == 3);
     const auto refuses = [](const hmesh::Mesh& mesh) {
         const IndexedMesh<1> bad = kit::to_indexed_mesh<1>(mesh);
-        return bad.roots.size() == 4 && bad.copy_count == 0 && fault(bad).first == "a vertex is far outside the image";
+        return bad.roots.size() == 4 && bad.roots[2] == 2 && fault(bad).first == "a vertex is far outside the image";
     };
     for (const float far :
          {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(), 1e30F, -1e30F, 3e9F}) {

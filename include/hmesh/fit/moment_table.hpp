@@ -201,6 +201,10 @@ class MomentTable {
         out.by_column.set(C, sums[lanes + C] + (last * last).sum());
         return out;
     }
+    /// The sum of the squares of a row's samples, of all channels; where is_int32() without the last one of an odd number.
+    [[nodiscard]] double squares(int y) const noexcept {
+        return int32_ ? pair(width_, y)[lanes + C] : entries()[offset(width_, y) + lanes + C];
+    }
     /// Where entries (x, y) of even and odd x begin whose sums are 32-bit integers: the two halves of that of even x, in which
     /// lane C of the first and the lanes above it mean nothing, and what beyond() reads. Only if is_int32().
     [[nodiscard]] HMESH_ALWAYS_INLINE const std::int32_t* pair(int x, int y) const noexcept {

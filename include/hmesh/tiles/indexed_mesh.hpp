@@ -197,12 +197,7 @@ template <int C>
     }
     to.faces = from.faces;
     to.periodic = from.periodic;
-    if (to.periodic != Periodic::none) {
-        const bool is_sheet =
-            std::all_of(to.positions.begin(), to.positions.end(), [&](const Point& p) { return is_near(p, to.torus()); });
-        if (is_sheet) to.roots = tied_vertices(to.positions, to.torus());
-        for (std::uint32_t v = 0; !is_sheet && v < to.vertex_count(); ++v) to.roots.push_back(v);  // which check() refuses
-    }
+    if (to.periodic != Periodic::none) to.roots = tied_vertices(to.positions, to.torus());
     to.count_copies();
     return to;
 }
