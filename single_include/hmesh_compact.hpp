@@ -374,23 +374,18 @@ class Triangulation {
         return orientation(point(a), point(b), point(d)) < 0;
     }
 
-    // The order from left to right or, turned by a quarter, from the top down.
+    // The codes by which points are ordered from left to right or, turned by a quarter, from the top down.
+    [[nodiscard]] std::uint64_t place_of(Index v, bool is_down) const noexcept {
+        constexpr std::uint32_t sign = 0x80000000U;
+        const std::uint32_t x = static_cast<std::uint32_t>(point(v).x) ^ sign, y = static_cast<std::uint32_t>(point(v).y) ^ sign;
+        return is_down ? kit::code_of(y, ~x) : kit::code_of(x, y);
+    }
     [[nodiscard]] bool is_before(Index a, Index b, bool is_down) const noexcept {
-        const GridPoint p = point(a), q = point(b);
-        const int across = p.x - q.x, down = p.y - q.y;
-        return is_down ? down < 0 || (down == 0 && across > 0) : across < 0 || (across == 0 && down < 0);
+        return place_of(a, is_down) < place_of(b, is_down);
     }
     void sort(Index* order, Index n, bool is_down) const {
-        constexpr Index few = 64;  // are sorted sooner by comparing them
-        if (n <= few) {
-            std::sort(order, order + n, [this, is_down](Index a, Index b) { return is_before(a, b, is_down); });
-            return;
-        }
         kit::Array<kit::Coded> codes(n);
-        for (Index k = 0; k < n; ++k) {
-            const auto x = static_cast<std::uint32_t>(point(order[k]).x), y = static_cast<std::uint32_t>(point(order[k]).y);
-            codes[k] = {is_down ? kit::code_of(y, ~x) : kit::code_of(x, y), order[k]};
-        }
+        for (Index k = 0; k < n; ++k) codes[k] = {place_of(order[k], is_down), order[k]};
         kit::sort_by_code(codes);
         for (Index k = 0; k < n; ++k) order[k] = codes[k].number;
     }
