@@ -8200,9 +8200,9 @@ class ImageSource {
 
     /// Whether pixels have weights.
     [[nodiscard]] bool is_weighted() const noexcept { return weights_.data != nullptr; }
-    /// The weight of pixel (x, y), in the unit of the weights; 1 where there are none.
+    /// The weight of pixel (x, y) as a share of the largest one; 1 where there are none.
     [[nodiscard]] double weight(int x, int y) const noexcept {
-        return weights_.data == nullptr ? 1 : static_cast<double>(*weights_.pixel(x, y)) / unit_;
+        return weights_.data == nullptr ? 1 : unit_ * static_cast<double>(*weights_.pixel(x, y));
     }
 
   private:

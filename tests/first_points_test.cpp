@@ -102,6 +102,19 @@ TEST_CASE("floats of any size, and weights of 0 in a part or everywhere, give th
     }
 }
 
+TEST_CASE("the unit of weights changes no point, however large or small they are") {
+    const auto scene = hmesh_test::scaled(hmesh_test::scene<float, 3>(40, 36, 3), 0x1p60);
+    const auto points = [&](double unit) {
+        const auto weights = hmesh_test::draw<float, 1>(40, 36, [&](int x, int, int) { return x < 20 ? 0.25 * unit : unit; });
+        return points_of(ImageSource<3>(scene.view(), weights.view(), kit::weight_unit(weights.view())), 200);
+    };
+    const Points usual = points(1);
+    for (const double unit : {0x1p-147, 0x1p-120, 0x1p-30, 0x1p40, 0x1p127}) {
+        CAPTURE(unit);
+        CHECK(points(unit) == usual);
+    }
+}
+
 TEST_CASE("points are dense where the image bends, few where it is flat or a slope, and more where pixels count more") {
     // A wave in the right half, a slope in the left.
     const auto image = hmesh_test::draw<std::uint8_t, 1>(
