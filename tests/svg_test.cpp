@@ -336,6 +336,37 @@ TEST_CASE("in the exact kind every corner has its colour, within a step of 8 bit
     CHECK(worst <= 1);
 }
 
+TEST_CASE("faces thousands of times as long as wide have their colours too, also where viewers count 65536ths") {
+    hmesh::kit::Random random(5);
+    hmesh::Mesh mesh;
+    mesh.channels = 1;
+    mesh.width = 65536, mesh.height = 8, mesh.peak = 255;
+    for (std::uint32_t v = 0; v < 3000; v += 3) {
+        const auto length = static_cast<float>(std::exp2(3 + 13 * random.uniform()));
+        const auto width = static_cast<float>(std::exp2(3 * random.uniform()));
+        const auto top = length * static_cast<float>(random.uniform());
+        mesh.positions.insert(mesh.positions.end(), {0, 0, length, 0, top, width});
+        for (int k = 0; k < 3; ++k) mesh.colors.push_back(static_cast<float>(255 * random.uniform()));
+        mesh.faces.push_back({v, v + 1, v + 2});
+    }
+    const std::vector<Paint> paints = read_svg(written(mesh.view(), of_kind(Kind::exact)));
+    REQUIRE(paints.size() == mesh.face_count());
+    double worst = 0, worst_held = 0;
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        const Gradient& gradient = paints[v / 3].gradient;
+        Gradient held = gradient;
+        const auto hold = [](double& value) { value = std::round(value * 65536) / 65536; };
+        for (double* const end : {&held.x1, &held.y1, &held.x2, &held.y2}) hold(*end);
+        for (double& offset : held.offsets) hold(offset);
+        const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+        const auto color = static_cast<double>(mesh.colors[v]);
+        worst = std::max(worst, std::abs(gradient.at(x, y)[0] - color));
+        worst_held = std::max(worst_held, std::abs(held.at(x, y)[0] - color));
+    }
+    CHECK(worst <= 1);
+    CHECK(worst_held <= 1.5);
+}
+
 TEST_CASE("the gradient kind is as good as any gradient of any direction, and never worse than flat") {
     const hmesh::Mesh mesh = random_faces(3, 60, 2);
     const std::vector<Paint> gradients = read_svg(written(mesh.view(), of_kind(Kind::gradient)));

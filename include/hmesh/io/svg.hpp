@@ -89,10 +89,10 @@ class SvgWriter : public Writer {
         }
         text("\"");
     }
-    /// Writes a stop of a gradient.
-    void stop(double offset, const Color4& color) {
+    /// Writes a stop of a gradient, its offset with so many decimals.
+    void stop(double offset, const Color4& color, int places = 0) {
         text("<stop offset=\"");
-        fixed(offset, 4);
+        fixed(offset, places);
         text("\" stop-color=\"");
         hex(color);
         text("\"/>");
@@ -178,9 +178,9 @@ class SvgPage {
             writer_.text("\" gradientUnits=\"userSpaceOnUse\" ");
             writer_.ends(gradient.line);
             writer_.text(">");
-            writer_.stop(gradient.line.low_at, gradient.first);
-            if (gradient.has_middle) writer_.stop(gradient.middle_at, gradient.middle);
-            writer_.stop(gradient.line.high_at, gradient.last);
+            writer_.stop(gradient.line.low_at, gradient.first, gradient.line.offset_places);
+            if (gradient.has_middle) writer_.stop(gradient.middle_at, gradient.middle, gradient.line.offset_places);
+            writer_.stop(gradient.line.high_at, gradient.last, gradient.line.offset_places);
             writer_.text("</linearGradient>");
             shaded_face(f);
         }
@@ -227,8 +227,8 @@ class SvgPage {
             writer_.ends(gradient.line);
             if (gradient.is_steep) {
                 writer_.text(">");
-                writer_.stop(gradient.line.low_at, part(full[index], gradient.low));
-                writer_.stop(gradient.line.high_at, part(full[index], gradient.high));
+                writer_.stop(gradient.line.low_at, part(full[index], gradient.low), gradient.line.offset_places);
+                writer_.stop(gradient.line.high_at, part(full[index], gradient.high), gradient.line.offset_places);
                 writer_.text("</linearGradient>");
             } else {
                 writer_.text("/>");

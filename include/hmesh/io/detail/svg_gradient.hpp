@@ -54,13 +54,15 @@ struct GradientLine {
     PlanePoint from, to;             ///< the places of the offsets 0 and 1
     int places = 0;                  ///< decimals to write of the places
     double low_at = 0, high_at = 1;  ///< the offsets at which the function is 0 and 1
+    int offset_places = 4;           ///< decimals to write of offsets
 };
 
 /// The line on which a function that is linear over the face, given by its values at the corners, goes from 0 at low_at to 1 at
-/// high_at; it passes by the face's centroid. Across a needle the two offsets come closer, so that the line is at least half as
-/// long as the face reaches to its sides: else a little error of the ends, which some viewers hold in 1/65536 px, would turn
-/// it. It has so many decimals that on the face no value is off by more than `error`; at most 9. The face has an area and the
-/// function is not constant.
+/// high_at; it passes by the face's centroid. Some viewers hold the line's ends in 1/65536 px, which would turn it across a
+/// needle: so it is at least half as long as the face reaches to its sides, and the two offsets come closer. Offsets they hold
+/// in 65536ths: from 8 px on it is the root of twice that reach, where both errors are alike. Ends and offsets have so many
+/// decimals that on the face neither puts a value off by more than `error`; at most 9. The face has an area and the function is
+/// not constant.
 [[nodiscard]] inline GradientLine gradient_line(const FacePoints& at, const std::array<double, 3>& values,
                                                 double error) noexcept {
     const double bx = at[1].x - at[0].x, by = at[1].y - at[0].y, cx = at[2].x - at[0].x, cy = at[2].y - at[0].y;
@@ -73,7 +75,7 @@ struct GradientLine {
         reach = std::max(reach, std::abs((p.x - center.x) * slope_y - (p.y - center.y) * slope_x) * length);
 
     GradientLine line;
-    const double times = std::max(1.0, reach / 2 / length);
+    const double times = std::max(1.0, std::min(reach / 2, std::sqrt(2 * reach)) / length);
     line.low_at = (1 - 1 / times) / 2;
     line.high_at = (1 + 1 / times) / 2;
     const double step_x = times * slope_x / squared, step_y = times * slope_y / squared;
@@ -84,6 +86,7 @@ struct GradientLine {
     // Ends off by e px, e <= unit / sqrt(2), shift the function by e / length and turn it by 2 e / (times length).
     const double per_unit = std::sqrt(0.5) * (1 + 2 * reach / (times * length)) / length;
     for (double unit = 1; line.places < 9 && per_unit * unit > error; unit /= 10) ++line.places;
+    for (double off = 0.00005 * times; line.offset_places < 9 && off > error; off /= 10) ++line.offset_places;
     return line;
 }
 
