@@ -179,6 +179,10 @@ TEST_CASE("what mesh_image() refuses and absurd numbers of levels are refused wi
     Annealed recipe;
     recipe.tile = 1;
     check_refused(mesh_lods(image.view(), {}, {}, recipe), Errc::invalid_argument, "tile");
+    recipe = {};
+    const hmesh::Mesh of_another = mesh_lods(hmesh_test::scene<std::uint8_t, 3>(41, 30, 2).view(), {}).levels.at(0).mesh;
+    recipe.start = &of_another;
+    check_refused(mesh_lods(image.view(), {}, {}, recipe), Errc::invalid_argument, "wide");
     Image<float, 1> bad = hmesh_test::scene<float, 1>(40, 30, 2);
     bad.pixel(3, 4)[0] = std::numeric_limits<float>::quiet_NaN();
     check_refused(mesh_lods(bad.view(), {}), Errc::not_finite, "");
