@@ -40,8 +40,8 @@ struct SvgOptions {
     /// from grey gradients and without blending.
     enum class Kind : std::uint8_t {
         gradient,  ///< one linear gradient a face, the best that there is (io/detail/svg_gradient.hpp): about 310 bytes a face
-        /// Three layers, one a channel, added by mix-blend-mode: screen over black; over a face a channel is linear, hence a
-        /// gradient shows it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
+        /// Three layers, one a channel, added by mix-blend-mode: screen; over a face a channel is linear, hence a gradient shows
+        /// it exactly. Viewers must know blend modes, as browsers and librsvg do. About 560 bytes a face.
         exact,
         flat,  ///< the mean of the corners' colours: about 70 bytes a face
     };
@@ -131,9 +131,7 @@ class SvgPage {
     /// Writes the file. To be called once.
     Status write() {
         begin();
-        // What layers are screened on is black, and must not show where there are no faces.
-        const bool has_ground = options_.kind == SvgOptions::Kind::exact && mesh_.channels == 4 && !is_covered();
-        const bool is_masked = mesh_.channels == 4 && (has_ground || !is_opaque());
+        const bool is_masked = mesh_.channels == 4 && !is_opaque();
         if (is_masked) {
             writer_.text("<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" x=\"0\" y=\"0\" ");
             writer_.size(mesh_.right(), mesh_.bottom());
@@ -186,12 +184,9 @@ class SvgPage {
         }
     }
     void screened_layers() {
-        // Each channel's layer is black in the others, so that screen, a + b - a b, adds.
-        writer_.text("<g style=\"isolation:isolate\">\n<path d=\"M0 0H");
-        writer_.decimal(mesh_.right());
-        writer_.text("V");
-        writer_.decimal(mesh_.bottom());
-        writer_.text("H0z\"/>\n");
+        // Each channel's layer is black in the others, so that screen, a + b - a b, adds. The first is screened on nothing, which
+        // leaves it as it is.
+        writer_.text("<g style=\"isolation:isolate\">\n");
         for (const SvgLayer channel : {SvgLayer::red, SvgLayer::green, SvgLayer::blue}) {
             writer_.text("<g style=\"mix-blend-mode:screen\">\n");
             layer(channel);
@@ -319,17 +314,6 @@ class SvgPage {
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v)
             if (static_cast<double>(mesh_.colors[4 * v + 3]) / mesh_.peak * 255 < 254.5) return false;
         return true;
-    }
-
-    // Whether the faces' areas add up to the image's, but for what rounding leaves.
-    [[nodiscard]] bool is_covered() const {
-        double twice = 0;
-        for (std::size_t f = 0; f < mesh_.face_count; ++f) {
-            const FacePoints p = face_points(f);
-            twice += (p[1].x - p[0].x) * (p[2].y - p[0].y) - (p[2].x - p[0].x) * (p[1].y - p[0].y);
-        }
-        const double all = 2.0 * mesh_.right() * mesh_.bottom();
-        return std::abs(twice - all) < 1e-6 * all;
     }
 
     const MeshView& mesh_;
