@@ -17362,17 +17362,19 @@ struct LinearLightOptions {
     double ridge = MeshLimits().ridge;  ///< weight of the current colour against a step, in pixels; see MeshLimits::ridge
     double grid = 0;                    ///< colours become multiples of this, in stored values, finite; 0: any value
     ImageView<float, 1> weights;        ///< per-pixel weights >= 0 of the image's size (Options::weights); empty: all 1
+    /// How much each channel counts in the report (Options::channel_weights); empty: all the same. Colours do not depend on it.
+    std::vector<double> channel_weights{};
 };
 
 /// The report of fit_linear_light(). Energies are sums of squared differences in stored values over pixels and channels, times
-/// the weights where there are any, for a renderer that interpolates linear light.
+/// the weights where there are any (of pixels and channels, each by its largest), for a renderer that interpolates linear light.
 struct [[nodiscard]] LinearLightReport {
     double converted = 0;       ///< energy with the colours that the mesh came with, held to [0, peak] and to the grid
     double energy = 0;          ///< energy with the colours that the mesh has now; at most `converted`
     int iterations = 0;         ///< Gauss-Newton steps of the channel that took most
     int solver_iterations = 0;  ///< iterations of conjugate gradients, over all steps and channels
     double residual = 0;        ///< the largest residual of a linear system, relative to its right-hand side
-    double psnr = 0;            ///< dB, of `energy`, the MSE being the mean over pixels (by weight) and channels
+    double psnr = 0;            ///< dB, of `energy`, the MSE being the mean over pixels and channels, by their weights
     Status status;              ///< not ok: the mesh is as it was, all figures are 0
 };
 
@@ -17573,8 +17575,9 @@ class LinearLight {
 
 /// Whether the options are in range, for an image of this size: invalid_argument with the first that is not, or what
 /// check_weights() says.
-[[nodiscard]] HMESH_COLD inline Status check_options(const LinearLightOptions& options, int width, int height,
+[[nodiscard]] HMESH_COLD inline Status check_options(const LinearLightOptions& options, int channels, int width, int height,
                                                      const ParallelFor& parallel_for) {
+    if (const Status status = check_channel_weights(options.channel_weights, channels); !status) return status;
     constexpr double any = std::numeric_limits<double>::max();
     const Status status =
         check_ranges({{"the steps of a fit to linear light must be at least 0", static_cast<double>(options.iterations), 0, any},
@@ -17614,9 +17617,13 @@ class LinearLight {
     LinearLightReport report;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     LinearLight scene(mesh, topology, read, options, parallel_for);
-    const double unit = mesh.peak * mesh.peak;
+    const std::vector<double>& weights = options.channel_weights;
+    const double largest = weights.empty() ? 1 : *std::max_element(weights.begin(), weights.end());
+    double counted = 0;  // channels, by their weights
     bool is_stopped = false;
     for (std::size_t k = 0; k < channels; ++k) {
+        const double share = weights.empty() ? 1 : weights[k] / largest, unit = share * mesh.peak * mesh.peak;
+        counted += share;
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
         const double converted = scene.measure(now, k);
@@ -17653,7 +17660,7 @@ class LinearLight {
         report.iterations = std::max(report.iterations, steps);
     }
     const double weight = weight_unit(options.weights, parallel_for);
-    const double samples = mesh.channels * weight_sum(options.weights, weight, mesh.width, mesh.height, parallel_for);
+    const double samples = counted * weight_sum(options.weights, weight, mesh.width, mesh.height, parallel_for);
     report.psnr = psnr_of_energy(report.energy, samples, mesh.peak);
     return report;
 }
@@ -17679,7 +17686,7 @@ LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, cons
     kit::HalfedgeMesh topology;
     report.status = check(view);
     if (report.status) report.status = kit::detail::check_fit(mesh, C, view.width, view.height, topology);
-    if (report.status) report.status = kit::detail::check_options(options, view.width, view.height, parallel_for);
+    if (report.status) report.status = kit::detail::check_options(options, C, view.width, view.height, parallel_for);
     if (report.status) report.status = kit::check_finite(view, parallel_for);
     if (!report.status) return report;
     const kit::ViewSamples<T, C> read{view};

@@ -298,6 +298,34 @@ TEST_CASE("weights count each pixel as often as they say") {
     CHECK(error_of(image, plain) < 0.98 * error_of(image, mesh));
 }
 
+TEST_CASE("channels count in the report as much as they are said to, and get the colours that they get without") {
+    const auto image = contrasty<std::uint8_t, 3>(24, 24, 3);
+    const Mesh before = jittered(image, 4, 3);
+    LinearLightReport reports[3], weighted;
+    Mesh mesh;
+    const auto fit = [&](const std::vector<double>& channel_weights) {
+        LinearLightOptions options;
+        options.channel_weights = channel_weights;
+        mesh = before;
+        const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
+        REQUIRE(report.status);
+        return report;
+    };
+    for (std::size_t k = 0; k < 3; ++k) reports[k] = fit({k == 0 ? 2.0 : 0, k == 1 ? 2.0 : 0, k == 2 ? 2.0 : 0});
+    const LinearLightReport plain = fit({});
+    const std::vector<float> colors = mesh.colors;
+    CHECK(reports[0].energy + reports[1].energy + reports[2].energy == doctest::Approx(plain.energy).epsilon(1e-12));
+    weighted = fit({2, 0.5, 1});
+    CHECK(mesh.colors == colors);
+    const auto mean = [&](double LinearLightReport::*energy) {
+        return reports[0].*energy + reports[1].*energy / 4 + reports[2].*energy / 2;
+    };
+    CHECK(weighted.energy == doctest::Approx(mean(&LinearLightReport::energy)).epsilon(1e-12));
+    CHECK(weighted.converted == doctest::Approx(mean(&LinearLightReport::converted)).epsilon(1e-12));
+    CHECK(weighted.psnr == doctest::Approx(10 * std::log10(255 * 255 * 24 * 24 * 1.75 / weighted.energy)).epsilon(1e-12));
+    CHECK(std::abs(weighted.psnr - plain.psnr) > 0.01);
+}
+
 TEST_CASE("constant images stay exact, to the bit") {
     for (const double level : {0.0, 0.01, 0.3, 1.0}) {
         const auto image = hmesh_test::constant_image<std::uint8_t, 3>(12, 9, level);
@@ -436,6 +464,10 @@ TEST_CASE("images, weights and options that cannot be are refused, and the mesh 
     weights.pixel(0, 11)[0] = std::numeric_limits<float>::infinity();
     CHECK(refusal(image.view(), options) == Errc::not_finite);
 
+    options = {}, options.channel_weights = {1, 1};
+    CHECK(refusal(image.view(), options) == Errc::invalid_argument);
+    options.channel_weights = {0, 0, 0};
+    CHECK(refusal(image.view(), options) == Errc::invalid_argument);
     options = {}, options.iterations = -1;
     CHECK(refusal(image.view(), options) == Errc::invalid_argument);
     for (double LinearLightOptions::*const option :

@@ -168,6 +168,26 @@ def test_in_linear_light_the_target_is_kept_as_viewers_of_glb_show_it(hmesh, spa
         assert psnr_of(wanted, drawn(read_ply("a.ply"), width, height)) >= 33
 
 
+@pytest.mark.parametrize("channels", [[1, 0.02, 0.3], [0, 0, 1]])
+def test_in_linear_light_channels_count_by_their_weights(hmesh, channels):
+    options = "picture.png --effort fast --channel-weights " + ",".join(map(str, channels))
+    report = hmesh.report(options + " --psnr 33 --fit-space linear -o a.glb")
+    wanted, width, height = pixels("picture.png")
+
+    def shown_in(name):
+        light = drawn(read_glb(name), width, height)
+        return {place: [encoded(min(1, max(0, v))) for v in values] for place, values in light.items()}
+    shown = shown_in("a.glb")
+    psnr = psnr_of(wanted, shown, channels=channels)
+    assert 33 <= psnr < 33.3
+    assert abs(report["psnr"] - psnr) < 1e-2
+    assert report["energy"] == pytest.approx(255 ** 2 * width * height * sum(channels) * 10 ** (-psnr / 10), rel=1e-2)
+    assert report["max_error"] == pytest.approx(max(
+        abs(a - b) for place in wanted for c, a, b in zip(channels, wanted[place], shown[place]) if c > 0), abs=0.1)
+    stored = hmesh.report(options + " --vertices 100 -o b.glb")
+    assert abs(stored["psnr_glb"] - psnr_of(wanted, shown_in("b.glb"), channels=channels)) < 1e-2
+
+
 def test_premultiplied_colours_keep_the_target_after_they_were_divided(hmesh):
     report = hmesh.report("rgba.tga --premultiplied --psnr 34 -o a.ply -o a.html --render a.png")
     assert set(report["psnr_written"]) == {"a.ply", "a.html", "a.png"}

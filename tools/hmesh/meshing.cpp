@@ -174,8 +174,9 @@ hmesh::Lods one_level(hmesh::Result result) {
         with_any_view(image, [&](const auto& view) { return mesh_by_method(view, wanted, options, annealed, parallel_for); }));
 }
 
-// The largest difference, in stored values, between an image and a mesh drawn in linear light, where pixels count.
-double largest_light_error(const ImageFile& image, const hmesh::ImageView<float, 1>& weights, const hmesh::Mesh& mesh,
+// The largest difference, in stored values, between an image and a mesh drawn in linear light, where pixels and channels
+// count.
+double largest_light_error(const ImageFile& image, const MeshingOptions& options, const hmesh::Mesh& mesh,
                            const hmesh::ParallelFor& parallel_for) {
     std::vector<float> drawn;
     if (!draw_samples(mesh.view(), true, drawn, parallel_for)) return 0;
@@ -183,11 +184,12 @@ double largest_light_error(const ImageFile& image, const hmesh::ImageView<float,
     double largest = 0;
     std::size_t k = 0;
     for (int y = 0; y < image.height; ++y)
-        for (int x = 0; x < image.width; ++x, k += static_cast<std::size_t>(image.channels)) {
-            if (weights.data != nullptr && !(*weights.pixel(x, y) > 0)) continue;
-            for (std::size_t c = k; c < k + static_cast<std::size_t>(image.channels); ++c)
-                largest = std::max(largest, std::abs(static_cast<double>(drawn[c]) - static_cast<double>(wanted[c])));
-        }
+        for (int x = 0; x < image.width; ++x)
+            for (std::size_t c = 0; c < static_cast<std::size_t>(image.channels); ++c, ++k) {
+                if (options.weights.data != nullptr && !(*options.weights.pixel(x, y) > 0)) continue;
+                if (!options.channel_weights.empty() && !(options.channel_weights[c] > 0)) continue;
+                largest = std::max(largest, std::abs(static_cast<double>(drawn[k]) - static_cast<double>(wanted[k])));
+            }
     return largest;
 }
 
@@ -197,6 +199,7 @@ hmesh::LinearLightReport fit_linear_light(const ImageFile& image, const MeshingO
                                           hmesh::FunctionRef<bool(double share)> progress = {}) {
     hmesh::LinearLightOptions options;
     options.weights = wanted.weights;
+    options.channel_weights = wanted.channel_weights;
     // Colours of floats are not rounded: the steps of whole numbers mean nothing to them.
     options.grid = image.bits == 32 ? 0 : 1;
     return with_view(image,
@@ -220,7 +223,7 @@ void fit_light(const ImageFile& image, const MeshingOptions& wanted, double from
     const hmesh::LinearLightReport report = fit_linear_light(image, wanted, result.mesh, parallel_for, progress);
     result.report.energy = info.energy = report.energy;
     result.report.psnr = report.psnr;
-    result.report.max_error = largest_light_error(image, wanted.weights, result.mesh, parallel_for);
+    result.report.max_error = largest_light_error(image, wanted, result.mesh, parallel_for);
     result.report.stages.push_back(
         {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
     is_stopped = !go_on(1) || is_stopped;
