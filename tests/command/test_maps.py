@@ -199,7 +199,9 @@ def test_maps_are_packed_and_compressed(maps):
     ("--with normal=rock_rough.png -o x.ply", "called 'normal' and has 1 channel"),
     ("--with normal=rock_normal.png --with his_normal=rock_normal.png -o x.ply", "is a second map of normals"),
     ("--with rock_rough.png --channel-weights 1,2,3 -o x.ply",
-     "--channel-weights has 3 numbers, for 2 images of 4 channels together")])
+     "--channel-weights has 3 numbers, for 2 images of 4 channels together"),
+    ("--with rock_normal.png --samples points --border-tolerance 90 -o x.ply",
+     "--border-tolerance makes sides of 1 to 4, 8 or 16 channels, and the images have 6 together")])
 def test_maps_that_do_not_go_together_are_refused(maps, arguments, sentence):
     maps.fails(sentence, "rock_albedo.png " + arguments)
     assert not Path("x.ply").exists()

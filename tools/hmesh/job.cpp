@@ -102,6 +102,10 @@ std::string join_maps(const Arguments& arguments, Inputs& inputs) {
             return "cannot read " + input_words(other.file) + ": " + (interrupted ? "interrupted" : why);
     }
     if (std::string why = join_images(images, names, inputs.image); !why.empty()) return why;
+    if (arguments.meshing.border_tolerance && inputs.image.padding > 0)  // channels of weight 0, which sides do not know
+        return std::string("--border-tolerance makes sides of 1 to 4") + (inputs.image.bits == 32 ? "" : ", 8") +
+               " or 16 channels, and the images have " + std::to_string(inputs.image.channels - inputs.image.padding) +
+               " together";
     if (std::string why = find_maps(arguments, images, inputs.maps); !why.empty()) return why;
     for (const ImageFile& image : images)
         if (inputs.image.note.empty()) inputs.image.note = image.note;
