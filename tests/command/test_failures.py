@@ -7,11 +7,13 @@ import re
 import resource
 import shutil
 import signal
+import struct
 import subprocess
 import time
 from pathlib import Path
 
 import pytest
+from PIL import Image
 
 from conftest import FORMATS, as_others, contents, is_failure, is_png, is_whole, ply_header, program, read, rows, send_once_caught
 
@@ -134,6 +136,24 @@ def test_ctrl_c_with_keep_partial_writes_the_mesh_reached_so_far_within_its_budg
         assert report["status"] == "interrupted" and f"element vertex {report['vertices']}" in ply_header("cut.ply")
         reached.append(report["vertices"])
     assert max(reached) == most
+
+
+def test_ctrl_c_with_keep_partial_leaves_the_colours_that_a_method_has(hmesh):
+    image = Image.effect_noise((600, 450), 60)
+    image.save("large.png")
+    for delay in [0.5, 1, 1.5]:  # the method begins with all pixels, and is then brought to its budget
+        interrupt(hmesh, "-o cut.ply --vertices 900 --method adaptive_thinning --report cut.json --keep-partial", "the mesh", delay=delay)
+        report = json.loads(read("cut.json"))
+        assert report["colors"] == "sampled"
+        if report["vertices"] == 900:
+            break
+    assert report["vertices"] == 900
+    for x, y, _, value in struct.iter_unpack("<3fB", read("cut.ply").partition(b"end_header\n")[2][:13 * 900]):
+        x, y = min(599, max(0, x - 0.5)), min(449, max(0, 449.5 - y))
+        i, j = min(598, int(x)), min(448, int(y))
+        near = [[image.getpixel((i + k, j + m)) for k in (0, 1)] for m in (0, 1)]
+        above, below = [left + (x - i) * (right - left) for left, right in near]
+        assert abs(above + (y - j) * (below - above) - value) < 0.51
 
 
 def test_ctrl_c_in_a_search_with_keep_partial_writes_the_mesh_reached_so_far(hmesh):

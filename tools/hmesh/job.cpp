@@ -56,6 +56,7 @@ void keep_budget(const ImageFile& image, MeshingOptions options, const hmesh::Pa
     const hmesh::Status why = outcome.status;
     const hmesh::Mesh reached = std::move(outcome.mesh);
     options.start = &reached;
+    options.colors = final_colors(options);  // of its method; that which starts from a mesh has its own
     options.target = hmesh::Target::vertices(static_cast<std::int64_t>(most));
     options.progress = {};
     outcome = mesh_file(image, options, parallel_for);
