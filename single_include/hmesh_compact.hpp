@@ -3775,7 +3775,7 @@ class LatticeMesh {
         kit::Array<kit::Vertex> all = kit::spatial_vertices(mesh_);
         // In no order, but near those before and after: what they read is in the cache, which takes 0.8 to 0.9 of the time.
         for (std::size_t k = all.size(); k > 1; --k)
-            std::swap(all[k - 1], all[k - 1 - random_.below(std::min<std::size_t>(k, 64))]);
+            std::swap(all[k - 1], all[k - 1 - random_.below(std::min<std::size_t>(k, 256))]);
         for (const kit::Vertex v : all) {
             const Room room = room_of(v);
             if (!is_on_site(v)) continue;

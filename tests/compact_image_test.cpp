@@ -129,7 +129,10 @@ TEST_CASE("an image fits into the bytes that it is given, and uses them, the bet
 }
 
 TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
-    // The second has more vertices than are a matter of luck, and is told by its flat colours.
+    // The second has more vertices than are a matter of luck, and is told by its flat colours. Of 24 such drawings each the first
+    // come to 47 dB, the second too, or to 37 on the lattice of a photograph; with a draft half of them come to 40.
+    hmesh::Annealed recipe;
+    recipe.effort = hmesh::Effort::fast;
     for (const int width : {200, 400}) {
         CAPTURE(width);
         const std::size_t budget = width == 200 ? 800 : 1600;
@@ -145,7 +148,7 @@ TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
                 for (int x = x0; x < x0 + columns; ++x)
                     for (int c = 0; c < 3; ++c) image.pixel(x, y)[c] = static_cast<std::uint8_t>(color[c]);
         }
-        const CompactImage out = compact_image(image.view(), bytes(budget), quick());
+        const CompactImage out = compact_image(image.view(), bytes(budget), recipe);
         prove(image.view(), bytes(budget), out);
         CHECK(out.psnr > 40);
     }
