@@ -17,6 +17,8 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
@@ -305,11 +307,6 @@ struct CompactGuess {
     std::uint32_t color_step;
 };
 
-/// Sorts guesses, the best first.
-HMESH_COLD inline void sort_guesses(std::vector<CompactGuess>& guesses) {
-    std::sort(guesses.begin(), guesses.end(), [](const CompactGuess& a, const CompactGuess& b) { return a.promise > b.promise; });
-}
-
 /// How many pixels are as those to their right, as a share of all: of photographs up to 0.2, of drawings 0.9.
 template <int C>
 [[nodiscard]] double flat_share(const ImageView<std::uint8_t, C>& view) {
@@ -378,14 +375,17 @@ template <class T, int C>
             if (share == 0.045) most = std::max(most, look(0.06));
         }
         if (!out.status) return out.bytes.clear(), out;
-        sort_guesses(found);
+        const kit::Array<kit::Coded> order =
+            kit::sorted_numbers(found.size(), [&](std::uint32_t k) { return kit::code_of(-found[k].promise); });
         const double begun = out.psnr;
         double before = begun;
-        std::size_t chosen = 0;
-        for (std::size_t k = 0, filled = 0; k < found.size() && filled < lattices; ++k) {
-            CompactSearch<C> search(image, options, found[k].lattice, runs, parallel_for);
-            if (!search.fill(found[k].n, found[k].color_step, recipe, out)) return out.bytes.clear(), out;
-            if (out.psnr > before) before = out.psnr, chosen = k;
+        std::size_t chosen = order.empty() ? 0 : order.front().number, filled = 0;
+        for (const kit::Coded& item : order) {  // the best first
+            if (filled == lattices) break;
+            CompactGuess& guess = found[item.number];
+            CompactSearch<C> search(image, options, guess.lattice, runs, parallel_for);
+            if (!search.fill(guess.n, guess.color_step, recipe, out)) return out.bytes.clear(), out;
+            if (out.psnr > before) before = out.psnr, chosen = item.number;
             if (before > begun) ++filled;  // on a lattice without a mesh, none is
         }
         Annealed again = recipe;
