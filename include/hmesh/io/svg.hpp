@@ -22,6 +22,7 @@
 #include <cstdint>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/core/version.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
@@ -237,17 +238,18 @@ class SvgPage {
     }
     // Every edge once, in strokes as long as vertices of rising numbers lead.
     void wireframe() {
-        kit::Array<std::array<std::uint32_t, 2>> edges;
+        kit::Array<kit::Coded> edges;
         edges.reserve(3 * mesh_.face_count);
         for (std::size_t f = 0; f < mesh_.face_count; ++f)
             for (std::size_t k = 0; k < 3; ++k) {
                 const auto [low, high] = std::minmax({mesh_.faces[f][k], mesh_.faces[f][(k + 1) % 3]});
-                edges.push_back({low, high});
+                edges.push_back({kit::code_of(low, high), high});
             }
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        kit::sort_by_code(edges);
+        const auto is_same = [](const kit::Coded& a, const kit::Coded& b) { return a.code == b.code; };
+        edges.erase(std::unique(edges.begin(), edges.end(), is_same), edges.end());
         kit::Array<std::size_t> next(mesh_.vertex_count + 1);  // the first edge of each vertex that is still to draw
-        for (const auto& edge : edges) ++next[edge[0] + std::size_t{1}];
+        for (const kit::Coded& edge : edges) ++next[static_cast<std::size_t>(edge.code >> 32U) + 1];
         for (std::size_t v = 0; v < mesh_.vertex_count; ++v) next[v + 1] += next[v];
         const kit::Array<std::size_t> begins = next;
 
@@ -259,7 +261,7 @@ class SvgPage {
                 writer_.text("M");
                 point(v);
                 for (std::size_t at = v; next[at] < begins[at + 1];) {
-                    at = edges[next[at]++][1];
+                    at = edges[next[at]++].number;
                     writer_.text(" ");
                     point(at);
                 }
