@@ -9226,7 +9226,8 @@ class HalfedgeMesh {
 
     /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
-    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet, two faces back to back. O(n) for bounded
+    /// valences.
     [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
@@ -9620,9 +9621,10 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
     // One thing is left to be known: whether a turn around each vertex meets all half-edges that leave it. They are as many as
-    // there are half-edges in all, and a turn meets none twice.
+    // there are half-edges in all, and a turn meets none twice. A turn over two faces back to back counts for nothing.
     std::size_t met = 0;
-    for (const Vertex v : vertices()) met += static_cast<std::size_t>(valence(v));
+    for (const Vertex v : vertices())
+        if (const int turn = valence(v); turn > 2 || is_boundary(v)) met += static_cast<std::size_t>(turn);
     if (met == halfedges_.size()) {
         HMESH_ASSERT(check());
         return {};
@@ -9710,6 +9712,7 @@ inline Status HalfedgeMesh::check() const {
             if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
         if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
+        if (neighbors.size() < 3 && boundary[v.index()] == 0) return fail("two faces have the same corners, at vertex", v.index());
         for (const std::size_t u : neighbors)
             if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
     }

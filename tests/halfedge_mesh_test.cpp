@@ -634,6 +634,8 @@ TEST_CASE("HalfedgeMesh: assign refuses each kind of bad input, says where, and 
         {{5, {{0, 1, 2}, {0, 3, 4}}}, "two fans", 0},
         {touching, "two fans", 0},
         {mixed, "two fans", 0},
+        {{3, {{0, 1, 2}, {2, 1, 0}}}, "same corners", 0},  // of which edits make no mesh
+        {{6, {{0, 1, 2}, {3, 4, 5}, {3, 5, 4}}}, "same corners", 3},
     };
     for (const Bad& bad : cases) {
         HalfedgeMesh mesh = mesh_of(grid(2, 2));

@@ -36,7 +36,8 @@ class HalfedgeMesh {
 
     /// Replaces the mesh by that of `triangles` over the vertices [0, vertex_count), all of one orientation. Refuses
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
-    /// used twice in one direction, an isolated vertex, a vertex where two fans meet. O(n) for bounded valences.
+    /// used twice in one direction, an isolated vertex, a vertex where two fans meet, two faces back to back. O(n) for bounded
+    /// valences.
     [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
