@@ -858,10 +858,12 @@ class WallPlan {
 #ifndef HMESH_IO_HEIGHTS_HEIGHT_STL_HPP
 #define HMESH_IO_HEIGHTS_HEIGHT_STL_HPP
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace hmesh {
 namespace detail {
@@ -896,6 +898,27 @@ inline void write_stl_face(Writer& writer, const Corners3& corners) {
     return check_relief(mesh, {}, options);
 }
 
+/// Refuses a solid whose vertices for the sides of borders that touch are one as floats, far from the origin. O(n log n).
+[[nodiscard]] inline Status check_parted(const MeshView& mesh, const HeightOptions& options, const WallPlan& walls) {
+    const Relief on_map(mesh, {}, options, false);
+    std::vector<std::array<double, 4>> moved;  // x and y as they are stored, and by how much: of each fan alike, of others not
+    for (std::size_t f = 0; f < mesh.face_count; ++f)
+        for (const std::uint32_t v : mesh.faces[f]) {
+            const std::array<double, 2> shift = walls.shift(f, v);
+            if (shift == std::array<double, 2>{}) continue;
+            const Vector3 at = on_map.position(v, shift);
+            moved.push_back({static_cast<double>(static_cast<float>(at[0])), static_cast<double>(static_cast<float>(at[1])),
+                             shift[0], shift[1]});
+        }
+    std::sort(moved.begin(), moved.end());
+    for (std::size_t i = 1; i < moved.size(); ++i)
+        if (moved[i - 1] != moved[i] && moved[i - 1][0] == moved[i][0] && moved[i - 1][1] == moved[i][1])
+            return {Errc::invalid_argument,
+                    "the origin is too far for floats to keep the vertices of a solid apart where borders touch, at x",
+                    moved[i][0]};
+    return {};
+}
+
 }  // namespace detail
 
 /// Writes a mesh as a binary STL file, an open surface that faces up. A mesh that write_height_ply() refuses gives a Status that
@@ -917,8 +940,8 @@ inline Status write_height_stl(const MeshView& mesh, Sink sink, const HeightOpti
 /// HeightOptions::z: watertight, each edge of two faces, with walls around holes too. Where borders touch in a vertex, as holes
 /// do at their corners, it becomes a vertex for each side, a 64th of a sample apart at most.
 ///
-/// Refuses what write_height_stl() does, a base that is not below all heights, faces that have a vertex twice, and edges that
-/// more faces share than one on each side.
+/// Refuses what write_height_stl() does, a base that is not below all heights, faces that have a vertex twice, edges that more
+/// faces share than one on each side, and borders that touch so far from the origin that floats keep no such vertices apart.
 inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, const HeightOptions& options = {}) {
     constexpr std::uint64_t most = std::numeric_limits<std::uint32_t>::max() / 8;  // two and six for its walls, at most
     if (const Status status = detail::check_for_stl(mesh, options, most); !status) return status;
@@ -931,6 +954,7 @@ inline Status write_solid_stl(const MeshView& mesh, double base, Sink sink, cons
             return {Errc::invalid_argument, "the base of a solid must be below all of its heights", base, relief.height(v)};
     detail::WallPlan walls(mesh);
     if (const Status status = walls.plan(); !status) return status;
+    if (const Status status = detail::check_parted(mesh, options, walls); !status) return status;
 
     detail::Writer writer(sink);
     detail::write_stl_head(writer, 2 * std::uint64_t{mesh.face_count} + 2 * std::uint64_t{walls.size()});

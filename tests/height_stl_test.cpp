@@ -256,3 +256,22 @@ TEST_CASE("what no solid can be made of gives a Status and no byte, and a sink t
     }
     CHECK(!solid(land.mesh, lowest - 0.001).empty());
 }
+
+TEST_CASE("a solid whose borders touch where floats are too far apart to part them is refused, nearer by and without holes not") {
+    const auto chessboard = [](int x, int y) { return (x + y) % 2 == 1; };
+    const hmesh::Mesh mesh = terrain(8, 7, hmesh::Samples::points, hills, chessboard).mesh;
+    hmesh::HeightOptions far;  // as UTM has it: floats are 1/32 and 1/2 apart
+    far.x_origin = 500000, far.y_origin = 5000000;
+    for (const hmesh::UpAxis up : {hmesh::UpAxis::z, hmesh::UpAxis::y}) {
+        far.up = up;
+        const auto write = [&](const hmesh::MeshView& view, hmesh::Sink sink) {
+            return hmesh::write_solid_stl(view, 0, sink, far);
+        };
+        hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
+    }
+    check_watertight(solid(terrain(8, 7, hmesh::Samples::points, hills).mesh, 0, far));
+    far.x_step = far.y_step = 100;
+    check_watertight(solid(mesh, 0, far));
+    far.x_step = far.y_step = 1, far.x_origin = far.y_origin = 1000;
+    check_watertight(solid(mesh, 0, far));
+}
