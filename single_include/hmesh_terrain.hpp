@@ -1014,8 +1014,10 @@ struct GeodeticPlace {
 
     /// Of degrees.
     GeodeticPlace(double longitude, double latitude) noexcept {
-        const double c = std::cos(latitude * radians_per_degree), s = std::sin(latitude * radians_per_degree),
-                     cl = std::cos(longitude * radians_per_degree), sl = std::sin(longitude * radians_per_degree);
+        // Else a pole is a place for each longitude, and faces between two of these have an area.
+        const double c = std::abs(latitude) < 90 ? std::cos(latitude * radians_per_degree) : 0;
+        const double s = std::sin(latitude * radians_per_degree), cl = std::cos(longitude * radians_per_degree),
+                     sl = std::sin(longitude * radians_per_degree);
         east = {-sl, cl, 0};
         north = {-s * cl, -s * sl, c};
         up = {c * cl, c * sl, s};
