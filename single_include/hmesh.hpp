@@ -6529,14 +6529,15 @@ namespace hmesh::kit {
     return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
 }
 
-/// Of each channel sqrt(weight / the largest weight), for weights that check_channel_weights() accepts; 1 where there are none.
+/// A channel's weight as a share of the largest one, for weights that check_channel_weights() accepts; 1 where there are none.
+[[nodiscard]] HMESH_COLD inline double weight_share(const std::vector<double>& weights, std::size_t channel) noexcept {
+    return weights.empty() ? 1 : weights[channel] / *std::max_element(weights.begin(), weights.end());
+}
+/// The square root of weight_share() of each channel.
 template <int C>
 [[nodiscard]] HMESH_COLD std::array<double, std::size_t{C}> channel_shares(const std::vector<double>& weights) {
     std::array<double, std::size_t{C}> shares{};
-    shares.fill(1);
-    if (weights.empty()) return shares;
-    const double largest = *std::max_element(weights.begin(), weights.end());
-    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weights[c] / largest);
+    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weight_share(weights, c));
     return shares;
 }
 
@@ -17621,12 +17622,10 @@ class LinearLight {
     LinearLightReport report;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     LinearLight scene(mesh, topology, read, options, parallel_for);
-    const std::vector<double>& weights = options.channel_weights;
-    const double largest = weights.empty() ? 1 : *std::max_element(weights.begin(), weights.end());
     double counted = 0;  // channels, by their weights
     bool is_stopped = false;
     for (std::size_t k = 0; k < channels; ++k) {
-        const double share = weights.empty() ? 1 : weights[k] / largest, unit = share * mesh.peak * mesh.peak;
+        const double share = weight_share(options.channel_weights, k), unit = share * mesh.peak * mesh.peak;
         counted += share;
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;

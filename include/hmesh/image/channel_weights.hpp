@@ -43,14 +43,15 @@ namespace hmesh::kit {
     return std::any_of(channel_weights.begin(), channel_weights.end(), [&](double w) { return w != channel_weights.front(); });
 }
 
-/// Of each channel sqrt(weight / the largest weight), for weights that check_channel_weights() accepts; 1 where there are none.
+/// A channel's weight as a share of the largest one, for weights that check_channel_weights() accepts; 1 where there are none.
+[[nodiscard]] HMESH_COLD inline double weight_share(const std::vector<double>& weights, std::size_t channel) noexcept {
+    return weights.empty() ? 1 : weights[channel] / *std::max_element(weights.begin(), weights.end());
+}
+/// The square root of weight_share() of each channel.
 template <int C>
 [[nodiscard]] HMESH_COLD std::array<double, std::size_t{C}> channel_shares(const std::vector<double>& weights) {
     std::array<double, std::size_t{C}> shares{};
-    shares.fill(1);
-    if (weights.empty()) return shares;
-    const double largest = *std::max_element(weights.begin(), weights.end());
-    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weights[c] / largest);
+    for (std::size_t c = 0; c < C; ++c) shares[c] = std::sqrt(weight_share(weights, c));
     return shares;
 }
 

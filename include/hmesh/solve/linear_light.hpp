@@ -317,12 +317,10 @@ class LinearLight {
     LinearLightReport report;
     const auto channels = static_cast<std::size_t>(mesh.channels);
     LinearLight scene(mesh, topology, read, options, parallel_for);
-    const std::vector<double>& weights = options.channel_weights;
-    const double largest = weights.empty() ? 1 : *std::max_element(weights.begin(), weights.end());
     double counted = 0;  // channels, by their weights
     bool is_stopped = false;
     for (std::size_t k = 0; k < channels; ++k) {
-        const double share = weights.empty() ? 1 : weights[k] / largest, unit = share * mesh.peak * mesh.peak;
+        const double share = weight_share(options.channel_weights, k), unit = share * mesh.peak * mesh.peak;
         counted += share;
         const ChannelLight start = scene.start(k);
         ChannelLight now = start;
