@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,7 +11,6 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/random.hpp"
 #include "hmesh/lods.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
@@ -30,27 +28,6 @@ using hmesh::Samples;
 using hmesh::Target;
 
 namespace {
-
-using Row = std::vector<std::array<double, 1>>;
-
-// Whether the chord from i to k passes what is between within the tolerance.
-bool passes(const Row& row, std::size_t i, std::size_t k, double tolerance) {
-    for (std::size_t j = i + 1; j < k; ++j) {
-        const double share = static_cast<double>(j - i) / static_cast<double>(k - i);
-        if (std::abs(row[i][0] + share * (row[k][0] - row[i][0]) - row[j][0]) > tolerance + 1e-12) return false;
-    }
-    return true;
-}
-
-// The fewest chords, by trying all.
-std::size_t fewest_chords(const Row& row, double tolerance) {
-    std::vector<std::size_t> chords(row.size(), row.size());
-    chords[0] = 0;
-    for (std::size_t k = 1; k < row.size(); ++k)
-        for (std::size_t i = 0; i < k; ++i)
-            if (passes(row, i, k, tolerance)) chords[k] = std::min(chords[k], chords[i] + 1);
-    return chords.back();
-}
 
 // One of the heights of a terrain that many images are cut from.
 double height_at(int x, int y, int) {
@@ -83,24 +60,6 @@ std::vector<std::vector<float>> side_of(const Mesh& mesh, std::size_t axis, floa
 }
 
 }  // namespace
-
-TEST_CASE("a polyline has the fewest nodes that all chords allow, and passes all samples") {
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-        CAPTURE(seed);
-        hmesh::kit::Random random(seed);
-        Row row(2 + random.below(60));
-        double height = 0;
-        for (auto& sample : row) sample[0] = height += random.below(3) == 0 ? 0 : random.uniform() - 0.5;
-        for (const double tolerance : {0.0, 0.05, 0.3, 2.0, 100.0}) {
-            const auto nodes = hmesh::kit::polyline_nodes<1>(row, tolerance);
-            CHECK(nodes.front() == 0);
-            CHECK(nodes.back() == row.size() - 1);
-            CHECK(nodes.size() == fewest_chords(row, tolerance) + 1);
-            for (std::size_t k = 1; k < nodes.size(); ++k) CHECK(passes(row, nodes[k - 1], nodes[k], tolerance));
-        }
-    }
-    CHECK(hmesh::kit::polyline_nodes<1>(Row(5000, {7.0}), 0) == std::vector<std::uint32_t>{0, 903, 1927, 2951, 3975, 4999});
-}
 
 TEST_CASE("images that share a row share its vertices to the bit, whatever else is in them, by any effort and in tiles") {
     Annealed recipe;

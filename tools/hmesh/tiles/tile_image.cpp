@@ -8,7 +8,7 @@
 #include <functional>
 #include <type_traits>
 
-#include "hmesh/methods/annealed/border.hpp"
+#include "hmesh/methods/annealed/polyline.hpp"
 #include "readers/rectangles.hpp"
 #include "terminal/progress_watch.hpp"
 
@@ -36,28 +36,14 @@ double sample_at(const ImageFile& image, std::size_t k) {
 }
 
 // The counts of one side, whose pixel k is pixel_at(k) of the tile, 0 <= k < length.
-template <int C>
 void count_side(const ImageFile& tile, std::size_t length, const std::function<std::size_t(std::size_t)>& pixel_at,
                 const std::vector<double>& tolerances, std::size_t side, std::vector<SideCounts>& counts) {
-    hmesh::kit::Array<std::array<double, std::size_t{C}>> row(length);
+    const auto channels = static_cast<std::size_t>(tile.channels);
+    hmesh::kit::Array<double> row;
     for (std::size_t k = 0; k < length; ++k)
-        for (std::size_t c = 0; c < C; ++c) row[k][c] = sample_at(tile, C * pixel_at(k) + c);
-    for (std::size_t t = 0; t < tolerances.size(); ++t)
-        counts[t][side] = hmesh::kit::polyline_nodes<C>(row, tolerances[t]).size();
-}
-
-template <int C>
-std::vector<SideCounts> count_sides(const ImageFile& tile, const std::vector<double>& tolerances) {
-    std::vector<SideCounts> counts(tolerances.size());
-    const auto width = static_cast<std::size_t>(tile.width), height = static_cast<std::size_t>(tile.height);
-    const auto count = [&](std::size_t side, std::size_t length, const std::function<std::size_t(std::size_t)>& pixel_at) {
-        count_side<C>(tile, length, pixel_at, tolerances, side, counts);
-    };
-    count(0, width, [](std::size_t k) { return k; });
-    count(1, width, [&](std::size_t k) { return (height - 1) * width + k; });
-    count(2, height, [&](std::size_t k) { return k * width; });
-    count(3, height, [&](std::size_t k) { return k * width + width - 1; });
-    return counts;
+        for (std::size_t c = 0; c < channels; ++c) row.push_back(sample_at(tile, channels * pixel_at(k) + c));
+    hmesh::kit::PolylineFinder finder(std::move(row), channels);
+    for (std::size_t t = 0; t < tolerances.size(); ++t) counts[t][side] = finder.nodes(tolerances[t]).size();
 }
 
 // Calls body(from, to) with the samples of two images of one kind.
@@ -199,12 +185,16 @@ std::string TileImage::read_part(const hmesh::kit::Rect& rect, const hmesh::kit:
 }
 
 std::vector<SideCounts> count_side_vertices(const ImageFile& tile, const std::vector<double>& tolerances) {
-    switch (tile.channels) {
-        case 1: return count_sides<1>(tile, tolerances);
-        case 2: return count_sides<2>(tile, tolerances);
-        case 3: return count_sides<3>(tile, tolerances);
-        default: return count_sides<4>(tile, tolerances);
-    }
+    std::vector<SideCounts> counts(tolerances.size());
+    const auto width = static_cast<std::size_t>(tile.width), height = static_cast<std::size_t>(tile.height);
+    const auto count = [&](std::size_t side, std::size_t length, const std::function<std::size_t(std::size_t)>& pixel_at) {
+        count_side(tile, length, pixel_at, tolerances, side, counts);
+    };
+    count(0, width, [](std::size_t k) { return k; });
+    count(1, width, [&](std::size_t k) { return (height - 1) * width + k; });
+    count(2, height, [&](std::size_t k) { return k * width; });
+    count(3, height, [&](std::size_t k) { return k * width + width - 1; });
+    return counts;
 }
 
 double peak_of(const ImageFile& image) noexcept { return image.bits == 8 ? 255 : image.bits == 16 ? 65535 : 1; }
