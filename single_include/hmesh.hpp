@@ -14900,6 +14900,27 @@ template <int C>
     return is_bounded;
 }
 
+/// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
+/// one that has about `limit` edges or more. False: there is none. O(n).
+[[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
+                                                     const Array<Triangle>& faces, int width, int limit) {
+    Array<int> counts(positions.size(), 0);
+    for (const Triangle& t : faces)
+        for (const std::uint32_t v : t) ++counts[v];
+    Array<std::uint32_t> crowd;
+    for (const Triangle& t : faces)
+        if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return counts[v] >= limit; }))
+            for (const std::uint32_t v : t)
+                crowd.push_back(static_cast<std::uint32_t>(positions[v].y) * static_cast<std::uint32_t>(width) +
+                                static_cast<std::uint32_t>(positions[v].x));
+    std::sort(crowd.begin(), crowd.end());
+    std::size_t kept = 0, crowded = 0;
+    for (const std::uint32_t pixel : pixels)
+        if (!std::binary_search(crowd.begin(), crowd.end(), pixel) || ++crowded % 2 == 0) pixels[kept++] = pixel;
+    pixels.resize(kept);
+    return crowded > 0;
+}
+
 }  // namespace hmesh::kit
 
 #endif  // HMESH_TILES_DELAUNAY_MESH_HPP
@@ -15073,6 +15094,22 @@ class AnnealedRun {
     }
     bool stage(const char* name, FunctionRef<bool()> body) { return run_stage<C>(*tiled_, name, body); }
 
+    /// Makes the mesh of these points and those of the border. False: cancelled.
+    HMESH_COLD bool triangulate(Array<std::uint32_t>& pixels, const Array<Point>& on_lines) {
+        const ImageSource<C>& source = tiled_->source();
+        {
+            Delaunay delaunay(source.width(), source.height(), source.samples());
+            if (!insert_pixels(delaunay, pixels, [&] { return progress().poll(); })) return false;
+            if (border_->empty()) pixels = {};  // not needed again
+            for (const Point p : on_lines) (void)delaunay.insert(p);
+            for (const Point p : *border_) (void)delaunay.insert(p);
+            pair_sides(delaunay, source.periodic());
+            tiled_->indexed() = uncolored_mesh(source, delaunay);
+        }
+        take_colors(tiled_->indexed(), source);
+        return true;
+    }
+
     HMESH_COLD bool draw_points() {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
@@ -15101,23 +15138,20 @@ class AnnealedRun {
             pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
             if (tiled_->is_small() && source.periodic() == Periodic::none) tiled_->notes().point_ranks = std::move(ranks);
         }
-        {
-            Delaunay delaunay(source.width(), source.height(), source.samples());
-            if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
-            if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
-            if (!insert_pixels(delaunay, pixels, go_on)) return false;
-            pixels = {};
-            for (const Point p : on_lines) (void)delaunay.insert(p);
-            for (const Point p : *border_) (void)delaunay.insert(p);
-            pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = uncolored_mesh(source, delaunay);
-        }
-        take_colors(tiled_->indexed(), source);
+        if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
+        if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
-        // which grows to n, is for shapes nobody has seen.
-        if (!bound_valence(tiled_->indexed(), source.periodic() == Periodic::none ? 32 : 16)) {
-            if (!border_->empty()) return false;
-            tiled_->indexed() = corner_mesh(source);
+        // which grows to n, is for shapes nobody has seen. A border stays, and there are fewer points along its longest edges.
+        const int limit = source.periodic() == Periodic::none ? 32 : 16;
+        while (true) {
+            if (!triangulate(pixels, on_lines)) return false;
+            IndexedMesh<C>& mesh = tiled_->indexed();
+            if (bound_valence(mesh, limit)) break;
+            if (border_->empty()) {
+                mesh = corner_mesh(source);
+                break;
+            }
+            if (!leave_out_crowd(pixels, mesh.positions, mesh.faces, source.width(), limit)) return false;
         }
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());

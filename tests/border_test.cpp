@@ -195,3 +195,17 @@ TEST_CASE("every number of vertices from few to one a sample is reached or refus
             }
     }
 }
+
+TEST_CASE("vertices are as dense as wanted beside a long flat side of two of them") {
+    auto image = hmesh_test::noise<std::uint8_t, 1>(449, 129, 1);
+    const int right = image.width() - 1, bottom = image.height() - 1;
+    for (int x = 0; x <= right; ++x) *image.pixel(x, 0) = *image.pixel(x, bottom) = 0;
+    for (int y = 0; y <= bottom; ++y) *image.pixel(0, y) = *image.pixel(right, y) = 0;
+    Annealed recipe{Effort::draft};
+    recipe.border_tolerance = 0;
+    const Result result = hmesh::mesh_image(image.view(), of_points(Target::vertices(28960)), recipe);
+    CHECK(result.status);
+    CHECK(result.report.vertices == 28960);
+    CHECK(side_of(result.mesh, 1, 0.0F).size() == 2);
+    CHECK(hmesh_test::flaw_of(result.mesh.view(), image.width(), image.height()) == "");
+}

@@ -226,6 +226,27 @@ template <int C>
     return is_bounded;
 }
 
+/// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
+/// one that has about `limit` edges or more. False: there is none. O(n).
+[[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
+                                                     const Array<Triangle>& faces, int width, int limit) {
+    Array<int> counts(positions.size(), 0);
+    for (const Triangle& t : faces)
+        for (const std::uint32_t v : t) ++counts[v];
+    Array<std::uint32_t> crowd;
+    for (const Triangle& t : faces)
+        if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return counts[v] >= limit; }))
+            for (const std::uint32_t v : t)
+                crowd.push_back(static_cast<std::uint32_t>(positions[v].y) * static_cast<std::uint32_t>(width) +
+                                static_cast<std::uint32_t>(positions[v].x));
+    std::sort(crowd.begin(), crowd.end());
+    std::size_t kept = 0, crowded = 0;
+    for (const std::uint32_t pixel : pixels)
+        if (!std::binary_search(crowd.begin(), crowd.end(), pixel) || ++crowded % 2 == 0) pixels[kept++] = pixel;
+    pixels.resize(kept);
+    return crowded > 0;
+}
+
 }  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"
