@@ -1,4 +1,5 @@
 """--out-of-core: images that are read by rectangles, with the meshes of those that are read as a whole."""
+import shutil
 import struct
 from pathlib import Path
 
@@ -217,6 +218,11 @@ def test_weights_and_points_are_known(hmesh):
 def test_what_cannot_be_read_by_rectangles_is_refused(hmesh):
     hmesh.fails("it is no PGM, PPM, PFM or TIFF file, but PNG, which is not read by rectangles", "picture.png --out-of-core -o a.ply")
     hmesh.fails("it is no PGM, PPM, PFM or TIFF file, and ", "text.png --out-of-core -o a.ply")
+    hmesh.done("grey.pgm -o a.hmc")
+    shutil.copy("a.hmc", "b")  # known by its content
+    assert hmesh.run("a.hmc --out-of-core -o a.ply").stderr.startswith(
+        "hmesh: --out-of-core means nothing to 'a.hmc', which is a mesh and no image\n")
+    hmesh.fails("cannot read 'b': it is a mesh, and no image", "b --out-of-core -o a.ply")
     hmesh.fails("No such file", "none.pgm --out-of-core -o a.ply")
     hmesh.fails("it cannot be read by rectangles, as a file can", "- --out-of-core -o a.ply")
     hmesh.fails("the file ends before its last pixel", "short.ppm --out-of-core -o a.ply")

@@ -489,11 +489,11 @@ std::string find_byte_conflict(const CLI::App& app, const Arguments& arguments) 
 // An option that makes a mesh, or compares it with an image.
 std::string find_option_of_images(const CLI::App& app) {
     for (const char* option :
-         {"--vertices",    "--rate",    "--psnr",      "--bytes",    "--max-vertices",    "--good-enough", "--effort",
-          "--method",      "--colors",  "--fit-space", "--periodic", "--premultiplied",   "--samples",     "--border-tolerance",
-          "--weights",     "--with",    "--grid",      "--seed",     "--channel-weights", "--tile",        "--lods",
-          "--sprite",      "--outline", "--residual",  "--strip",    "--straight-border", "--report",      "--json",
-          "--keep-partial"})
+         {"--vertices", "--rate",        "--psnr",      "--bytes",    "--max-vertices",    "--good-enough", "--effort",
+          "--method",   "--colors",      "--fit-space", "--periodic", "--premultiplied",   "--samples",     "--border-tolerance",
+          "--weights",  "--with",        "--grid",      "--seed",     "--channel-weights", "--tile",        "--lods",
+          "--sprite",   "--outline",     "--residual",  "--strip",    "--straight-border", "--out-of-core", "--report",
+          "--json",     "--keep-partial"})
         if (app.count(option) != 0) return option;
     return {};
 }

@@ -29,6 +29,7 @@ class PlainFile : public RectangleFile {
         if (std::string why = file_.read(0, beginning.size(), beginning.data()); !why.empty()) return why;
         const Bytes bytes{beginning.data(), beginning.size()};
         kind = kind_of(bytes);
+        if (is_mesh(bytes)) return "it is a mesh, and no image";
         if (kind == FileKind::tiff || kind == FileKind::unknown) return {};
         if (kind != FileKind::pnm && kind != FileKind::pfm)
             return std::string("it is no PGM, PPM, PFM or TIFF file, but ") + name_of(kind) + ", which is not read by rectangles";
