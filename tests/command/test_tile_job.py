@@ -421,16 +421,18 @@ def test_join_writes_nothing_into_the_job_and_says_what_an_output_is_not(hmesh):
     for arguments, sentence in {"-o -": "--output - is no file", "-o x.glb --format ply": "'x.glb' is one file of the format .glb"}.items():
         run = hmesh.run(f"job join job {arguments}")
         assert run.returncode == 2 and sentence in run.stderr
-    for ending in ["stl", "gltf", "foo"]:  # no silent folders of such names
-        run = hmesh.run(f"job join job -o x.{ending}")
-        assert run.returncode == 2 and f"'x.{ending}' must end in one of" in run.stderr
+    for name in ["x.stl", "x.gltf", "x.foo", ".ply", "out/.ply"]:  # no silent folders of such names
+        run = hmesh.run(f"job join job -o {name}")
+        assert run.returncode == 2 and f"'{name}' must end in one of" in run.stderr
     assert contents() == before
     plan(hmesh, folder="other")
     hmesh.fails("is within another job, '", "job join job -o other/tiles")
     hmesh.done("job join job -o v1.2 --format glb")
     hmesh.done("job join job -o v1.2")
-    hmesh.done("job join job -o v1.3/")
-    assert Path("v1.2").is_dir() and Path("v1.3").is_dir()
+    for folder in ["v1.3/", ".hidden/", "new/."]:
+        hmesh.done(f"job join job -o {folder}")
+        assert Path(folder, "index.json").exists()
+    assert Path("v1.2").is_dir()
     assert "\nPSNR       inf dB of" in hmesh.done("job join job -o x.glb")
 
 

@@ -20,9 +20,11 @@ namespace tool {
 }
 
 // Whether a name that ends in no format may be meant for a folder: it is there as one, ends in a slash, or has no ending at all.
+// That of "out/.ply" is one with nothing before it.
 [[nodiscard]] inline bool may_be_folder(const std::string& name) {
+    const std::string last = std::filesystem::path(name).filename().string();
     std::error_code none;
-    return !std::filesystem::path(name).has_extension() || std::filesystem::is_directory(name, none);
+    return last.find('.') == std::string::npos || last == "." || last == ".." || std::filesystem::is_directory(name, none);
 }
 
 }  // namespace tool
