@@ -101,8 +101,8 @@ def rgbe(x, y):
     return [*color(x, y), 129]
 
 
-def hdr(layout=f"-Y {HEIGHT} +X {WIDTH}", has_runs=True):
-    head = f"#?RADIANCE\n# a comment\nFORMAT=32-bit_rle_rgbe\n\n{layout}\n".encode()
+def hdr(layout=f"-Y {HEIGHT} +X {WIDTH}", has_runs=True, line_end="\n"):
+    head = "".join(line + line_end for line in ["#?RADIANCE", "# a comment", "FORMAT=32-bit_rle_rgbe", "", layout]).encode()
     if not has_runs:
         return head + b"".join(rows(lambda x, y: bytes(rgbe(x, y))))
     for y in range(HEIGHT):
@@ -168,6 +168,7 @@ def all_files():
         "interlaced.gif": saved(palette, "GIF", interlace=1), "raw.psd": psd(), "runs.psd": psd(has_runs=True), "deep.psd": psd(16),
         "cmyk.psd": psd(channels=4, mode=4), "deep_runs.psd": psd(16, has_runs=True),
         "alpha.psd": psd(channels=4), "rgb.pfm": pfm(), "grey.pfm": pfm(">", 1), "rgb.hdr": hdr(), "flat.hdr": hdr(has_runs=False),
+        "crlf.hdr": hdr(line_end="\r\n"),
         "rgb.ppm": saved(rgb, "PPM"), "grey.pgm": saved(grey, "PPM"),
         "deep.pgm": b"P5 24 18 1000\n" + b"".join(rows(lambda x, y: struct.pack(">H", 40 * x))),
     }

@@ -55,6 +55,7 @@ WHOLE = rows("""
     grey.pfm        | 1 | 32 | -1
     rgb.hdr         | 3 | 32 |  1
     flat.hdr        | 3 | 32 |  1
+    crlf.hdr        | 3 | 32 |  1
     rgb.tif         | 3 |  8 |  0
     rgb16.tif       | 3 | 16 |  1
     big_endian.tif  | 3 | 16 |  1

@@ -8,12 +8,14 @@
 namespace tool {
 namespace {
 
-// A line of the header, and `at` behind it. False where the file ends before, or the line is longer than any is.
+// A line of the header without its end, which some programs make "\r\n", and `at` behind it. False where the file ends before, or
+// the line is longer than any is.
 bool next_line(Bytes file, std::size_t& at, std::string& line) {
     line.clear();
     for (; at < file.size && line.size() < 4096; ++at) {
         if (file.u8(at) == '\n') {
             ++at;
+            if (!line.empty() && line.back() == '\r') line.pop_back();
             return true;
         }
         line += static_cast<char>(file.u8(at));
