@@ -740,6 +740,8 @@ CLASHES = rows("""
     'keep.ply' and 'link.json' are one file            | dem.pgm -o keep.ply --report link.json
     'new.ply' and 'nowhere.json' are one file          | dem.pgm -o new.ply --report nowhere.json
     'new_0_0.ply' and 'new_1_0.ply' are one file       | dem.pgm -o new.ply --tiles 4
+    'keep.ply' and 'hard.json' are one file            | dem.pgm -o keep.ply --report hard.json
+    'hard.ply' would overwrite the input 'dem.pgm'     | dem.pgm -o hard.ply
     """)
 
 
@@ -750,6 +752,8 @@ def test_no_file_is_two_of_input_tiles_and_report_by_whatever_name(terrain, sent
     for link, target in {"input.json": "dem.pgm", "link.json": "keep.ply", "nowhere.json": "new.ply", "new_1_0.ply": "new_0_0.ply",
                          "dem_1_0.ply": "dem.ply"}.items():
         Path(link).symlink_to(target)
+    for link, target in {"hard.json": "keep.ply", "hard.ply": "dem.pgm"}.items():
+        os.link(target, link)
     before = contents()
     run = terrain.run(f"{arguments} --max-error 1")
     assert run.returncode == 2 and sentence in run.stderr.splitlines()[0] and run.stdout == "" and contents() == before

@@ -2,9 +2,9 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <filesystem>
-#include <map>
 #include <mutex>
 #include <optional>
 #include <system_error>
@@ -18,6 +18,7 @@
 #include "terrain/tile_maker.hpp"
 #include "terrain/tiles.hpp"
 #include "thread_pool.hpp"
+#include "writers/file_set.hpp"
 #include "writers/output_file.hpp"
 #include "writers/write_file.hpp"
 
@@ -33,17 +34,20 @@ double seconds_since(Clock::time_point begin) { return std::chrono::duration<dou
 // twice. Returns "" or a sentence.
 std::string find_clash(const Arguments& arguments, const std::vector<Tile>& tiles) {
     if (tool::is_part(arguments.input)) return tool::unfinished(arguments.input);
-    std::map<std::string, std::string> outputs;  // by their full names
+    std::vector<std::string> outputs;
+    tool::FileSet known;  // their places there
     const auto add = [&](const std::string& file) -> std::string {
         std::error_code none;
         if (tool::is_standard(file) || (fs::exists(file, none) && !fs::is_regular_file(file, none))) return {};
         if (fs::equivalent(arguments.input, file, none))
             return "'" + file + "' would overwrite the input '" + arguments.input + "'";
-        const auto [other, is_new] = outputs.emplace(tool::full_name(file), file);
-        if (is_new) return {};
-        return (other->second == file ? "'" + file + "' is"
-                                      : "'" + other->second + "' and '" + file + "' are one file, which is") +
-               " named for two outputs";
+        if (const std::size_t other = known.find(file); other != tool::FileSet::no_file)
+            return (outputs[other] == file ? "'" + file + "' is"
+                                           : "'" + outputs[other] + "' and '" + file + "' are one file, which is") +
+                   " named for two outputs";
+        known.add(file, outputs.size());
+        outputs.push_back(file);
+        return {};
     };
     for (const Tile& tile : tiles)
         if (std::string why = add(tile.file); !why.empty()) return why;

@@ -1,54 +1,18 @@
 #include "arguments/clashes.hpp"
 
 #include <cstddef>
-#include <cstdint>
 #include <filesystem>
-#include <map>
 #include <system_error>
-#include <utility>
 
 #include "arguments/patterns.hpp"
 #include "terminal/standard_streams.hpp"
+#include "writers/file_set.hpp"
 #include "writers/output_file.hpp"
 
 namespace tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-// Files by any of their names. In a run of thousands of images each is looked up among all: hence by its full name, and where it
-// is there already among those of its size and age alone, one of which may be the same by another link.
-class FileSet {
-  public:
-    // The number under which this file was added, or that of no file.
-    [[nodiscard]] std::size_t find(const std::string& name) const {
-        if (const auto found = by_name_.find(full_name(name)); found != by_name_.end()) return found->second;
-        std::error_code none;
-        const auto [first, last] = by_look_.equal_range(look(name));
-        for (auto other = first; other != last; ++other)
-            if (fs::equivalent(name, other->second.first, none)) return other->second.second;
-        return no_file;
-    }
-    void add(const std::string& name, std::size_t number) {
-        by_name_.emplace(full_name(name), number);
-        std::error_code none;
-        if (fs::exists(name, none)) by_look_.emplace(look(name), std::make_pair(name, number));
-    }
-
-    static constexpr auto no_file = static_cast<std::size_t>(-1);
-
-  private:
-    using Look = std::pair<std::uintmax_t, fs::file_time_type>;
-
-    static Look look(const std::string& name) {
-        std::error_code none;
-        const std::uintmax_t size = fs::file_size(name, none);
-        return {size, fs::last_write_time(name, none)};
-    }
-
-    std::map<std::string, std::size_t> by_name_;
-    std::multimap<Look, std::pair<std::string, std::size_t>> by_look_;
-};
 
 std::string find_stream_clash(const std::vector<Arguments>& images) {
     std::size_t reads = 0, writes = 0, most = 0;
