@@ -365,6 +365,9 @@ def test_join_leaves_the_files_of_the_job_alone(terrain):
     Path("out.ply").symlink_to("job/done/x.ply")
     terrain.fails("is within the job", "job join job -o out.ply")
     Path("out.ply").unlink()
+    Path("out.ply").symlink_to("dem.pgm")
+    terrain.fails("'out.ply' would overwrite the input of the job", "job join job -o out.ply")
+    Path("out.ply").unlink()
     assert terrain.run("job join job -o -").returncode == 2 and contents() == before
     for output in ["x.tif", "x.hmc", "x.stl", "out/.ply"]:
         terrain.fails("is none of .ply, .obj, .glb and a folder", f"job join job -o {output}")

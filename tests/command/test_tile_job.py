@@ -418,6 +418,12 @@ def test_join_writes_nothing_into_the_job_and_says_what_an_output_is_not(hmesh):
     before = contents()
     for output in ["job", "job/done", "job/x.ply", "./job/../job/tiles"]:
         hmesh.fails("is within the job", f"job join job -o {output}")
+    for link, make in {"soft.ply": os.symlink, "hard.ply": os.link}.items():
+        make("image.ppm", link)
+        image = read("image.ppm")
+        hmesh.fails(f"'{link}' would overwrite the input of the job", f"job join job -o {link}")
+        assert read("image.ppm") == read(link) == image
+        Path(link).unlink()
     for arguments, sentence in {"-o -": "--output - is no file", "-o x.glb --format ply": "'x.glb' is one file of the format .glb"}.items():
         run = hmesh.run(f"job join job {arguments}")
         assert run.returncode == 2 and sentence in run.stderr

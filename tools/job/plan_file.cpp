@@ -83,7 +83,9 @@ std::string read_plan(const Folder& folder, const std::string& program, Json& va
     return {};
 }
 
-std::string check_output(const Folder& folder, const std::string& output) {
+std::string check_output(const Folder& folder, const Input& input, const std::string& output) {
+    std::error_code none;
+    if (std::filesystem::equivalent(input.path, output, none)) return "'" + output + "' would overwrite the input of the job";
     const std::filesystem::path own(tool::full_name(folder.path())), to(tool::full_name(output));
     if (std::mismatch(own.begin(), own.end(), to.begin(), to.end()).first == own.end())
         return "'" + output + "' is within the job, whose files are its own: join into another place";

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "job/folder.hpp"
+#include "job/input.hpp"
 #include "job/receipt.hpp"
 
 namespace job {
@@ -27,8 +28,9 @@ namespace job {
 // Reads them, where they are a plan of this very program's.
 [[nodiscard]] std::string read_plan(const Folder& folder, const std::string& program, Json& values, std::string& identity);
 
-// What is wrong with the place where what is joined of a job is to be written, or "": not within a job, whose files are its own.
-[[nodiscard]] std::string check_output(const Folder& folder, const std::string& output);
+// What is wrong with the place where what is joined of a job is to be written, or "": it is not the input, and not within a job,
+// whose files are its own.
+[[nodiscard]] std::string check_output(const Folder& folder, const Input& input, const std::string& output);
 
 // A number of a task's name or a file's, with as many digits as `most` has and four at least, so that names sort.
 [[nodiscard]] std::string digits(int number, int most);

@@ -57,7 +57,8 @@ int tell_status(const TileJob& arguments) {
 int join_job(const TileJob& arguments) {
     TilePlan plan;
     if (const std::string why = read_tile_plan(arguments.folder, "", plan); !why.empty()) return fail(failed, why);
-    if (const std::string why = job::check_output(plan.folder, arguments.output); !why.empty()) return fail(failed, why);
+    if (const std::string why = job::check_output(plan.folder, plan.input, arguments.output); !why.empty())
+        return fail(failed, why);
     job::Json facts;
     const job::Done index = job::find_done(plan.folder, plan.identity, "index", job::Look::bytes, facts);
     if (!index.why.empty()) return fail(failed, index.why);

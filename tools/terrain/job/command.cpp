@@ -69,7 +69,7 @@ int tell_status(const JobArguments& arguments) {
 int join_job(const JobArguments& arguments) {
     Plan plan;
     if (const std::string why = read_plan(arguments.folder, "", plan); !why.empty()) return tool::fail(tool::failed, why);
-    if (const std::string why = job::check_output(plan.folder, arguments.output); !why.empty())
+    if (const std::string why = job::check_output(plan.folder, plan.input, arguments.output); !why.empty())
         return tool::fail(tool::failed, why);
     Json facts;
     const job::Done done = job::find_done(plan.folder, plan.identity, "index", job::Look::bytes, facts);
