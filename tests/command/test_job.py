@@ -429,7 +429,7 @@ def engine(terrain, name):
 def test_engines_do_all_tasks_and_do_again_what_was_killed_or_damaged_and_nothing_else(terrain, name):
     words = engine(terrain, name)
     write("dem.pgm", dems.pgm(ground(WIDTH, HEIGHT)))
-    copy = Path("a folder's \"$name\"")  # engines must call it nevertheless
+    copy = Path("a folder's \"$name\" {} {.} {#} {= x =}")  # engines must call it nevertheless
     copy.mkdir()
     (copy / "hmesh-terrain").symlink_to(terrain.path)
     terrain.done(f"job plan dem.pgm -o one {OPTIONS} -q")

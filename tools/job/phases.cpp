@@ -16,6 +16,13 @@ std::string quoted(const std::string& word) {
     return text + "'";
 }
 
+// As a word of a shell in which GNU parallel finds no {}, {.}, {#} or the like to replace: quotes end and begin behind a brace.
+std::string quoted_from_parallel(const std::string& word) {
+    std::string text;
+    for (const char c : quoted(word)) text += c == '{' ? std::string("{''") : std::string(1, c);
+    return text;
+}
+
 // As a value of ninja's.
 std::string escaped(const std::string& text) {
     std::string out;
@@ -57,8 +64,8 @@ std::string parallel_text(const std::string& program, const std::vector<Phase>& 
         "fi\n"
         "CDPATH='' cd \"$(dirname \"$0\")\"\n";
     for (std::size_t k = 0; k < phases.size(); ++k)
-        text += "parallel \"$@\" --arg-file " + list_name(k) + " " + quoted(quoted(program)) + " job run . {} --quiet  # " +
-                phases[k].what + "\n";
+        text += "parallel \"$@\" --arg-file " + list_name(k) + " " + quoted(quoted_from_parallel(program)) +
+                " job run . {} --quiet  # " + phases[k].what + "\n";
     return text;
 }
 
