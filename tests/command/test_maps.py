@@ -176,6 +176,9 @@ def test_a_depfile_names_all_maps(maps):
 def test_a_search_for_a_psnr_goes_by_all_maps(maps):
     report = maps.report("rock_albedo.png --with rock_rough.png --psnr 30 -o x.ply")
     assert 30 <= report["psnr"] < 32
+    text = " ".join(maps.done("--help").split())
+    assert "of --render; with --with that of the mesh, over all images" in text
+    assert "--psnr is then that of the mesh over the channels of all" in text
 
 
 def test_maps_are_packed_and_compressed(maps):

@@ -106,7 +106,7 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
         });
     CLI::Option* psnr = add(app, "--psnr", "DB",
                             "as few vertices as reach this PSNR, as every file holds it that is written, and the .png\n"
-                            "of --render",
+                            "of --render; with --with that of the mesh, over all images",
                             [&](const std::string& text) {
                                 double decibel = 0;
                                 std::string why = parse_positive(text, 1000, decibel);
@@ -314,7 +314,8 @@ constexpr Note notes[] = {
     {"Interrupts", "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written."},
     {"Several maps",
      "images of --with become one mesh with the channels of all, each drawn by --render in a file of its own,\n"
-     "whose name ends in the map's. Samples of 8 bits become 16, and floats where one of the images has floats."},
+     "whose name ends in the map's. Samples of 8 bits become 16, and floats where one of the images has floats.\n"
+     "--psnr is then that of the mesh over the channels of all, by --channel-weights, whatever files round of it."},
     {"Jobs", "images that are more than one machine's work: hmesh job --help."},
     {"Examples",
      "  hmesh rock.png --with rock_normal.png --with rough=rock_r.png -o rock.glb --glb packed\n"
