@@ -1,4 +1,5 @@
 """Compact files: written, read to pictures and to every other format, and refused."""
+import re
 import shutil
 import struct
 from pathlib import Path
@@ -20,6 +21,14 @@ def test_a_compact_file_holds_the_mesh(hmesh, image, options):
     assert read("x.hmc") == read("y.hmc")
     assert read("made.png") == read("read.png") and read("edges.png") == read("again.png")
     assert len(read("x.hmc")) < 0.4 * len(read("y.ply"))
+
+
+@pytest.mark.parametrize("axes", ["x", "xy"])
+def test_copies_on_the_border_of_a_periodic_mesh_are_told_as_such(hmesh, axes):
+    made = hmesh.done(f"picture.png --vertices 200 --periodic {axes} -o x.hmc")
+    counts = re.search(r"^vertices  200, and \d+ copies of those on the border$", made, re.M)
+    assert counts and counts.group() in hmesh.done("x.hmc")
+    assert "x.hmc: 200 vertices, " in hmesh.done("x.hmc picture.png --render {name}_again.png")
 
 
 def test_it_is_drawn_at_any_size_read_from_the_standard_input_and_one_of_several(hmesh):

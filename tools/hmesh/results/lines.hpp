@@ -2,10 +2,13 @@
 #ifndef HMESH_TOOLS_RESULTS_LINES_HPP
 #define HMESH_TOOLS_RESULTS_LINES_HPP
 
+#include <cstddef>
 #include <cstdio>
 #include <string>
 
 #include "arguments/arguments.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/result.hpp"
 #include "readers/image_file.hpp"
 
 namespace tool {
@@ -16,6 +19,20 @@ inline void print_image(std::FILE* to, const Arguments& arguments, const ImageFi
     std::fprintf(to, "image     %s, %d x %d, %d channel%s of %d bits\n", arguments.input.c_str(), image.width, image.height,
                  channels, channels == 1 ? "" : "s", image.bits);
     if (!image.note.empty()) std::fprintf(to, "note      %s\n", image.note.c_str());
+}
+
+// Vertices of the mesh that are copies, of those on the border of a periodic one.
+[[nodiscard]] inline std::size_t border_copies(const hmesh::Result& outcome) noexcept {
+    const std::size_t all = outcome.mesh.vertex_count(), counted = outcome.report.vertices;
+    return outcome.mesh.periodic != hmesh::Periodic::none && all > counted ? all - counted : 0;
+}
+
+// How many vertices a mesh has.
+inline void print_vertices(std::FILE* to, const hmesh::Result& outcome) {
+    std::fprintf(to, "vertices  %zu", outcome.report.vertices);
+    if (const std::size_t copies = border_copies(outcome); copies > 0)
+        std::fprintf(to, ", and %zu copies of those on the border", copies);
+    std::fprintf(to, "\n");
 }
 
 // The time, and a line for each file.

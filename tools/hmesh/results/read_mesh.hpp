@@ -2,12 +2,15 @@
 #ifndef HMESH_TOOLS_RESULTS_READ_MESH_HPP
 #define HMESH_TOOLS_RESULTS_READ_MESH_HPP
 
+#include <cstddef>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "hmesh/mesh/torus.hpp"
 #include "readers/image_file.hpp"
 #include "results/lines.hpp"
 #include "results/made.hpp"
@@ -15,6 +18,16 @@
 #include "terminal/words.hpp"
 
 namespace tool {
+
+// Of a periodic mesh a vertex and its copies on the border count once, as in reports of meshes that are made.
+[[nodiscard]] inline std::size_t count_vertices(const hmesh::MeshView& mesh) {
+    if (mesh.periodic == hmesh::Periodic::none) return mesh.vertex_count;
+    const hmesh::kit::Array<std::uint32_t> firsts =
+        hmesh::kit::tied_vertices(hmesh::kit::positions_of(mesh), {mesh.width, mesh.height, mesh.periodic});
+    std::size_t count = 0;
+    for (std::uint32_t v = 0; v < firsts.size(); ++v) count += firsts[v] == v ? 1 : 0;
+    return count;
+}
 
 // Makes `made` the mesh of the file, `image` one of its size without pixels, and the arguments say what its colours are. Returns
 // "" or what is wrong, as the end of a sentence that begins with the file's name.
@@ -29,7 +42,7 @@ namespace tool {
     arguments.meshing.fit_space = read.linear ? FitSpace::linear : FitSpace::stored;
     arguments.meshing.premultiplied = read.mesh.premultiplied;
     hmesh::Result& outcome = made.levels.emplace_back().outcome;
-    outcome.report.vertices = read.mesh.vertex_count();
+    outcome.report.vertices = count_vertices(read.mesh.view());
     outcome.report.faces = read.mesh.face_count();
     outcome.mesh = std::move(read.mesh);
     return {};
@@ -44,7 +57,8 @@ inline void print_read(std::FILE* to, const Arguments& arguments, const ImageFil
         return;
     }
     print_image(to, arguments, image);
-    std::fprintf(to, "vertices  %zu\nfaces     %zu\n", report.vertices, report.faces);
+    print_vertices(to, made.finest().outcome);
+    std::fprintf(to, "faces     %zu\n", report.faces);
     print_written(to, arguments, made.seconds);
 }
 

@@ -7,6 +7,7 @@
 #include <cstddef>
 
 #include "hmesh/core/version.hpp"
+#include "results/lines.hpp"
 #include "terminal/words.hpp"
 
 namespace tool {

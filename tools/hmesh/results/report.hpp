@@ -20,12 +20,6 @@ namespace tool {
 // What the PSNR of a mesh made with these arguments is, for people.
 [[nodiscard]] std::string psnr_formula(const Arguments& arguments);
 
-// Vertices of the mesh that are copies, of those on the border of a periodic one.
-[[nodiscard]] inline std::size_t border_copies(const hmesh::Result& outcome) noexcept {
-    const std::size_t all = outcome.mesh.vertex_count(), counted = outcome.report.vertices;
-    return outcome.mesh.periodic != hmesh::Periodic::none && all > counted ? all - counted : 0;
-}
-
 enum class Layout : std::uint8_t { indented, one_line };
 
 // Ends with a line feed.

@@ -23,10 +23,7 @@ bool has_bytes(const std::string& ending, const Arguments& arguments, int bits) 
 void print_summary(std::FILE* to, const Arguments& arguments, const ImageFile& image, const Made& made) {
     const auto& [outcome, light, sprite] = made.finest();
     print_image(to, arguments, image);
-    std::fprintf(to, "vertices  %zu", outcome.report.vertices);
-    if (const std::size_t copies = border_copies(outcome); copies > 0)
-        std::fprintf(to, ", and %zu copies of those on the border", copies);
-    std::fprintf(to, "\n");
+    print_vertices(to, outcome);
     std::fprintf(to, "faces     %zu", outcome.report.faces);
     if (sprite)
         std::fprintf(to, ", the first %zu opaque; %.1f %% of the rectangle", sprite->opaque_faces,
