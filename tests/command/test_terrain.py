@@ -289,11 +289,11 @@ def test_a_prj_of_arcinfo_is_not_taken_for_metres(terrain):
     terrain.fails("'dem.prj' is one of ArcInfo", "dem.asc --no-gdal -o x.ply --max-error 9")
 
 
-def png_of(depth, rows, chunks=b""):
+def png_of(depth, rows, chunks=b"", kind=0):
     def chunk(name, data):
         return struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
 
-    head = struct.pack(">IIBBBBB", 4, 2, depth, 0, 0, 0, 0)
+    head = struct.pack(">IIBBBBB", 4, 2, depth, kind, 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunks + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
@@ -311,6 +311,14 @@ def test_heights_of_a_png_are_as_they_are_stored(terrain, name):
     for reader in readers(terrain):
         terrain.done(f"dem.png {reader} -o x.ply --max-error 0")
         assert judge(heights, read_model("x.ply"), from_south(2)) < 1e-9
+
+
+def test_numbers_of_a_palette_are_no_heights(terrain):
+    colors = bytes([10] * 3 + [90] * 3 + [200] * 3)
+    palette = struct.pack(">I", len(colors)) + b"PLTE" + colors + struct.pack(">I", zlib.crc32(b"PLTE" + colors))
+    write("dem.png", png_of(8, b"\0\1\2\1\2\0\0\1\2\1", palette, kind=3))
+    for reader in readers(terrain):
+        terrain.fails("its samples are numbers of a palette, and no heights", f"dem.png {reader} -o x.ply --max-error 1")
 
 
 def metres_of_degrees(latitude):

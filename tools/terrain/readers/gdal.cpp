@@ -65,6 +65,7 @@ std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
     band_ = gdal().GDALGetRasterBand(dataset_.get(), 1);
     const GDALDataType type = gdal().GDALGetRasterDataType(band_);
     if (gdal().GDALDataTypeIsComplex(type) != 0) return "its samples are complex numbers, and heights are real";
+    if (gdal().GDALGetRasterColorInterpretation(band_) == GCI_PaletteIndex) return no_palette;
     width = gdal().GDALGetRasterXSize(dataset_.get());
     height = gdal().GDALGetRasterYSize(dataset_.get());
     reader = std::string("GDAL ") + gdal().GDALVersionInfo("RELEASE_NAME") + ", " +

@@ -15,11 +15,13 @@ std::string open_png(const std::string& path, const ReadOptions& options, DemPoi
     tool::ImageFile image;
     std::vector<unsigned char> bytes;
     if (std::string why = tool::read_image(path, image, bytes); !why.empty()) return why;
+    const tool::Bytes file{bytes.data(), bytes.size()};
+    if (file.u8(25) == 3) return no_palette;
     if (image.channels != 1) return "it has " + std::to_string(image.channels) + " channels, and heights are one";
     // Pictures are turned upright and stretched to 8 bits: heights are as the file has them.
     const int way = image.orientation;
     tool::turn_upright(static_cast<unsigned>(way == 6 ? 8 : way == 8 ? 6 : way), image);
-    const int depth = tool::Bytes{bytes.data(), bytes.size()}.u8(24);
+    const int depth = file.u8(24);
     const int stretch = depth < 8 ? 255 / ((1 << depth) - 1) : 1;
     auto grid = std::make_unique<GridMemory>();
     grid->width = image.width;

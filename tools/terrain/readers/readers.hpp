@@ -36,6 +36,10 @@ using DemPointer = std::unique_ptr<Dem>;
 [[nodiscard]] std::string open_png(const std::string& path, const ReadOptions& options, DemPointer& dem);
 [[nodiscard]] std::string open_raw(const std::string& path, const ReadOptions& options, DemPointer& dem);
 
+// What is said of samples that are numbers of colours.
+inline constexpr char no_palette[] =
+    "its samples are numbers of a palette, and no heights: gdal_translate -expand gray makes shades of grey of them";
+
 // "GDAL 3.6.2"; empty: this build has none.
 [[nodiscard]] std::string gdal_version();
 
