@@ -269,8 +269,22 @@ PRJS = {"feet": 'PROJCS["P",' + DEGREES(6378137, 298.257222101, 0.01745329251994
                 'PARAMETER["false_easting",0],PARAMETER["false_northing",0],UNIT["US survey foot",0.304800609601219]]',
         "ellipsoid": DEGREES(6300000, 280, 0.0174532925199433), "gons": DEGREES(6378137, 298.257222101, 0.0157079632679489),
         "compound": 'COMPD_CS["c",' + DEGREES(6378137, 298.257223563, 0.0174532925199433) +
-                    ',VERT_CS["v",VERT_DATUM["d",2005],UNIT["metre",1]]]'}
-METRES = {"feet": (1200 / 3937, 1200 / 3937), "ellipsoid": (77835.214, 109758.986), "gons": (84722.434, 111044.950),
+                    ',VERT_CS["v",VERT_DATUM["d",2005],UNIT["metre",1]]]',
+        "feet of axes": 'PROJCRS["P",BASEGEOGCRS["E",DATUM["D",ELLIPSOID["S",6378137,298.257222101,LENGTHUNIT["metre",1]]],'
+                        'PRIMEM["G",0,ANGLEUNIT["degree",0.0174532925199433]]],CONVERSION["C",METHOD["Transverse Mercator",ID["EPSG",9807]],'
+                        + "".join(f'PARAMETER["{name}",{value},{unit}],' for name, value, unit in [
+                            ("Latitude of natural origin", 40, 'ANGLEUNIT["degree",0.0174532925199433]'),
+                            ("Longitude of natural origin", 9, 'ANGLEUNIT["degree",0.0174532925199433]'),
+                            ("Scale factor at natural origin", 1, 'SCALEUNIT["unity",1]'),
+                            ("False easting", 0, 'LENGTHUNIT["metre",1]')])
+                        + 'PARAMETER["False northing",0,LENGTHUNIT["metre",1]]],CS[Cartesian,2],'
+                        'AXIS["(E)",east,ORDER[1],LENGTHUNIT["US survey foot",0.304800609601219]],'
+                        'AXIS["(N)",north,ORDER[2],LENGTHUNIT["US survey foot",0.304800609601219]]]',
+        "gons of axes": 'GEODCRS["E",DATUM["D",ELLIPSOID["S",6378137,298.257222101,LENGTHUNIT["metre",1]]],PRIMEM["G",0],CS[ellipsoidal,3],'
+                        'AXIS["(lat)",north,ORDER[1],ANGLEUNIT["grad",0.0157079632679489]],'
+                        'AXIS["(lon)",east,ORDER[2],ANGLEUNIT["grad",0.0157079632679489]],'
+                        'AXIS["(h)",up,ORDER[3],LENGTHUNIT["foot",0.3048]]]'}
+METRES = {"feet of axes": (1200 / 3937, 1200 / 3937), "gons of axes": (84722.434, 111044.950), "feet": (1200 / 3937, 1200 / 3937), "ellipsoid": (77835.214, 109758.986), "gons": (84722.434, 111044.950),
           "compound": (78791.955, 111132.559)}
 
 

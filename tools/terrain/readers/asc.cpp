@@ -8,6 +8,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
+#include <initializer_list>
 #include <iterator>
 #include <limits>
 
@@ -99,8 +100,18 @@ std::string read_head(Words& words, const char*& word, Head& head) {
     return {};
 }
 
-// What well-known text of version 1, or in such words of version 2, says of metres: the ellipsoid, the unit of the map, and
-// whether that is an angle of so many `radians`.
+bool is_one_of(const std::string& word, std::initializer_list<const char*> words) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+bool is_projected(const std::string& key) { return is_one_of(key, {"projcs", "projcrs", "projectedcrs"}); }
+
+bool is_geographic(const std::string& key) {
+    return is_one_of(key, {"geogcs", "geogcrs", "geographiccrs", "geodcrs", "geodeticcrs"});
+}
+
+// What well-known text of version 1 or 2 says of metres: the ellipsoid, the unit of the map, and whether that is an angle of so
+// many `radians`.
 class Wkt {
   public:
     Wkt(const std::string& text, Georeference& place) : place_(place) {
@@ -111,8 +122,8 @@ class Wkt {
                 at = std::min(text.find('"', at + 1), text.size());
             } else if (c == '[' || c == '(') {
                 open_.push_back({lower(word), 0});
-                has_projection_ = has_projection_ || open_.back().key == "projcs" || open_.back().key == "projcrs";
-                has_degrees_ = has_degrees_ || open_.back().key == "geogcs" || open_.back().key == "geogcrs";
+                has_projection_ = has_projection_ || is_projected(open_.back().key);
+                has_degrees_ = has_degrees_ || is_geographic(open_.back().key);
                 word.clear();
             } else if (c == ',' || c == ']' || c == ')') {
                 double value = 0;
@@ -136,24 +147,29 @@ class Wkt {
 
     void take(double value) {
         const std::string& key = open_.back().key;
-        const std::string around = open_.size() > 1 ? open_[open_.size() - 2].key : "";
+        const auto around = [&](std::size_t steps) {
+            return open_.size() > steps ? open_[open_.size() - 1 - steps].key : std::string();
+        };
         const int number = ++open_.back().numbers;
         if (key == "spheroid" || key == "ellipsoid") {
             if (number == 1 && value > 0) place_.semi_major = value;
             if (number == 2 && value >= 0) place_.inverse_flattening = value;
         } else if (key.size() >= 4 && key.compare(key.size() - 4, 4, "unit") == 0 && number == 1 && value > 0) {
-            if (around == "projcs" || around == "projcrs" || around == "local_cs") place_.unit = value;
-            if (around == "geogcs" || around == "geogcrs") radians = value;
+            // In version 2 axes may have units of their own: that of heights, if there is one, is the last.
+            const std::string of = around(around(1) == "axis" ? 2 : 1);
+            if (!has_unit_ && (is_projected(of) || of == "local_cs")) place_.unit = value, has_unit_ = true;
+            if (radians == 0 && key != "lengthunit" && is_geographic(of)) radians = value;
         }
     }
 
     Georeference& place_;
     std::vector<Open> open_;
-    bool has_projection_ = false, has_degrees_ = false;
+    bool has_projection_ = false, has_degrees_ = false, has_unit_ = false;
 };
 
-// The coordinate system of NAME.prj beside NAME.asc, where there is one.
-std::string read_crs(std::string path, Georeference& place) {
+}  // namespace
+
+std::string read_prj(std::string path, Georeference& place) {
     if (path.size() < 4) return {};
     std::ifstream file(path.replace(path.size() - 4, 4, ".prj"), std::ios::binary);
     if (!file.is_open()) file.open(path.replace(path.size() - 4, 4, ".PRJ"), std::ios::binary);
@@ -165,8 +181,6 @@ std::string read_crs(std::string path, Georeference& place) {
     if (place.is_geographic) place.make_degrees(radians);
     return {};
 }
-
-}  // namespace
 
 std::string open_asc(const std::string& path, const ReadOptions& options, DemPointer& dem) {
     errno = 0;
@@ -201,7 +215,7 @@ std::string open_asc(const std::string& path, const ReadOptions& options, DemPoi
     const double north = has_corner ? head.y + (head.rows - (head.is_center_y ? 1 : 0.5)) * head.step_y : -0.5 * head.step_y;
     grid->place.is_known = true;
     grid->place.transform = {west, head.step_x, 0, north, 0, -head.step_y};
-    if (std::string why = read_crs(path, grid->place); !why.empty()) return why;
+    if (std::string why = read_prj(path, grid->place); !why.empty()) return why;
     dem = std::move(grid);
     return {};
 }

@@ -83,7 +83,10 @@ std::string GdalDem::open(const std::string& path, const ReadOptions& options) {
     if (has == 0) height_offset = 0;
     if (!std::isfinite(height_scale) || !std::isfinite(height_offset) || height_scale == 0)
         return "its scale of heights is 0 or not finite";
-    return find_place();
+    if (std::string why = find_place(); !why.empty()) return why;
+    // GDAL reads no .prj of version 2 of well-known text, and of such an .asc would know no coordinate system.
+    if (is_text_ && place.is_known && place.crs.empty() && !read_prj(path, place).empty()) place.crs.clear();
+    return {};
 }
 
 std::string GdalDem::find_place() {

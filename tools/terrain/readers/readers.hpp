@@ -36,6 +36,9 @@ using DemPointer = std::unique_ptr<Dem>;
 [[nodiscard]] std::string open_png(const std::string& path, const ReadOptions& options, DemPointer& dem);
 [[nodiscard]] std::string open_raw(const std::string& path, const ReadOptions& options, DemPointer& dem);
 
+// The coordinate system of NAME.prj beside NAME.asc, where there is one.
+[[nodiscard]] std::string read_prj(std::string path, Georeference& place);
+
 // What is said of samples that are numbers of colours.
 inline constexpr char no_palette[] =
     "its samples are numbers of a palette, and no heights: gdal_translate -expand gray makes shades of grey of them";
