@@ -397,6 +397,8 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     job run job                                | no folder or no task is given
     job status                                 | no folder is given
     job join job                               | no output is given
+    job join job -o x/{name}.ply               | --output 'x/{name}.ply' has {name} in it, which stands for nothing in a job
+    job join job -o {lod}                      | has {lod} in it
     job join job -o x --format pdf             | --format 'pdf' is not one of: glb, ply, obj, hmc
 """))
 def test_wrong_usage(hmesh, words, sentence):

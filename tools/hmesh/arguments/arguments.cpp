@@ -736,6 +736,10 @@ void add_join_options(CLI::App& app, TileJob& out) {
 // What is wrong with the output of join, or "". Of a folder the format is given then.
 std::string find_join_conflict(TileJob& job) {
     if (std::string why = find_output_conflict(job); !why.empty()) return why;
+    for (const char* mark : {name_mark, level_mark})
+        if (job.output.find(mark) != std::string::npos)
+            return "--output '" + job.output + "' has " + mark +
+                   " in it, which stands for nothing in a job: name the file itself";
     const std::string ending = format_ending(job.output);
     if (!ending.empty() && !job.format.empty())
         return "--format is given, of tiles in a folder, and '" + job.output + "' is one file of the format " + ending;
