@@ -453,11 +453,14 @@ py::bytes write(const py::dict& from, const std::string& format, const py::dict&
         options.colors = static_cast<hmesh::CompactColors>(get<int>(with, "colors"));
         status = run([&] { return hmesh::write_compact(view, sink, options); });
     } else if (format == "height_ply") {
-        status = run([&] { return hmesh::write_height_ply(view, {}, sink, height_options(with)); });
+        const hmesh::HeightOptions options = height_options(with);
+        status = run([&] { return hmesh::write_height_ply(view, {}, sink, options); });
     } else if (format == "height_obj") {
-        status = run([&] { return hmesh::write_height_obj(view, {}, sink, height_options(with)); });
+        const hmesh::HeightOptions options = height_options(with);
+        status = run([&] { return hmesh::write_height_obj(view, {}, sink, options); });
     } else if (format == "height_glb") {
-        status = run([&] { return hmesh::write_height_glb(view, {}, sink, height_options(with)); });
+        const hmesh::HeightOptions options = height_options(with);
+        status = run([&] { return hmesh::write_height_glb(view, {}, sink, options); });
     } else if (format == "stl") {
         const auto base = get_optional<double>(with, "base");
         const hmesh::HeightOptions options = height_options(with);

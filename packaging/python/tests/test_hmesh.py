@@ -452,6 +452,9 @@ def test_terrain_keeps_its_bound():
     for name in ("stl", "height_ply", "height_obj", "height_glb"):
         assert mesh.tobytes(name, z_scale=0.5)
     assert len(mesh.tobytes("stl", base=0)) > len(mesh.tobytes("stl"))
+    for name in ("stl", "height_ply", "height_obj", "height_glb"):  # said with the interpreter's lock, or this ends the process
+        with pytest.raises(TypeError, match="z_scale must be a number, and is None"):
+            mesh.tobytes(name, z_scale=None)
     for bad in (-1, math.nan):
         with pytest.raises(ValueError, match="max_error"):
             hmesh.mesh_terrain(heights, max_error=bad)
