@@ -120,9 +120,9 @@ class Mesh:
         periodic: Axes = "none",
         samples: SampleGrid = "squares",
     ) -> None:
-        self.positions = np.ascontiguousarray(positions, np.float32)
-        self.colors = np.ascontiguousarray(colors, np.float32)
-        self.faces = np.ascontiguousarray(faces, np.uint32)
+        self.positions = _packed(positions, np.float32)
+        self.colors = _packed(colors, np.float32)
+        self.faces = _packed(faces, np.uint32)
         self.width = int(width)
         self.height = int(height)
         self.peak = float(peak)
@@ -155,9 +155,9 @@ class Mesh:
     def _core(self) -> dict[str, Any]:
         self._check()
         return {
-            "positions": np.ascontiguousarray(self.positions, np.float32),
-            "colors": np.ascontiguousarray(self.colors, np.float32),
-            "faces": np.ascontiguousarray(self.faces, np.uint32),
+            "positions": _packed(self.positions, np.float32),
+            "colors": _packed(self.colors, np.float32),
+            "faces": _packed(self.faces, np.uint32),
             "width": self.width,
             "height": self.height,
             "peak": self.peak,
@@ -315,6 +315,11 @@ def _threads(threads: int) -> int:
     return int(threads)
 
 
+def _packed(array: Any, dtype: Any = None) -> np.ndarray:
+    """An array whose numbers are one after another and aligned, which np.ascontiguousarray() does not see to."""
+    return np.require(array, dtype, ("C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"))
+
+
 def _plain(array: np.ndarray) -> np.ndarray:
     """The array with bytes in this machine's order and pixels beside each other in rows that go forward; a copy only where it
     must be."""
@@ -323,7 +328,7 @@ def _plain(array: np.ndarray) -> np.ndarray:
     packed = (array.itemsize * array.shape[2], array.itemsize) if array.ndim == 3 else (array.itemsize,)
     row = array.itemsize * int(np.prod(array.shape[1:]))
     is_plain = inner == packed and array.strides[0] >= row and array.strides[0] % array.itemsize == 0 and array.flags.aligned
-    return array if is_plain else np.ascontiguousarray(array)
+    return array if is_plain else _packed(array)
 
 
 def _image(image: Any, most: int) -> np.ndarray:
@@ -351,7 +356,7 @@ def _map(name: str, values: Any, dtype: Any, shape: tuple[int, ...]) -> Optional
         raise TypeError(f"{name} must be numbers, and are of {array.dtype}")
     if array.shape != shape[:2]:
         raise ValueError(f"{name} must be of the image's shape {shape[:2]}, and are of {array.shape}")
-    return np.ascontiguousarray(array, dtype)
+    return _packed(array, dtype)
 
 
 def _listener(progress: Optional[Callable[[Progress], Any]]) -> Optional[Callable[..., Any]]:

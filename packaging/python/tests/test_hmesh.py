@@ -32,6 +32,11 @@ def picture(width=120, height=80, channels=3, dtype=np.uint8):
     return np.floor(values * np.iinfo(dtype).max + 0.5).astype(dtype)
 
 
+def unaligned(array):
+    """The array at an odd address, as in a file that is mapped."""
+    return np.frombuffer(b"\0" + array.tobytes(), array.dtype, array.size, 1).reshape(array.shape)
+
+
 def same(one, other):
     return (np.array_equal(one.positions, other.positions) and np.array_equal(one.colors, other.colors)
             and np.array_equal(one.faces, other.faces))
@@ -73,15 +78,22 @@ def test_strides_do_not_matter(dtype):
     tall = np.repeat(image, 2, axis=0)
     read_only = image.copy()
     read_only.flags.writeable = False
-    unaligned = np.frombuffer(b"\0" + image.tobytes(), dtype, image.size, 1).reshape(image.shape) if dtype == np.uint8 else image
+    misplaced = unaligned(image)
     four = np.concatenate([image, image[:, :, :1]], axis=2)
     for same_image in (
         np.asfortranarray(image), wide[:, 10:130], tall[::2], image[::-1][::-1], image[::-1].copy()[::-1],
         image[:, ::-1].copy()[:, ::-1], image.transpose(1, 0, 2).copy().transpose(1, 0, 2), image[:, :, ::-1].copy()[:, :, ::-1],
-        read_only, unaligned, four[:, :, :3], image.astype(image.dtype.newbyteorder("S")), image.tolist() and image,
+        read_only, misplaced, four[:, :, :3], image.astype(image.dtype.newbyteorder("S")), image.tolist() and image,
     ):
         assert np.array_equal(same_image, image)
         assert same(hmesh.mesh_image(same_image, vertices=100, effort="draft"), wanted)
+    mesh = hmesh.Mesh(unaligned(wanted.positions), unaligned(wanted.colors), unaligned(wanted.faces), width=120, height=80)
+    mesh.peak = wanted.peak
+    assert mesh.positions.flags.aligned and mesh.colors.flags.aligned and mesh.faces.flags.aligned
+    assert mesh.tobytes("ply") == wanted.tobytes("ply")
+    weights = np.random.default_rng(1).random((80, 120), np.float32)
+    assert same(hmesh.mesh_image(image, vertices=100, effort="draft", weights=unaligned(weights)),
+                hmesh.mesh_image(image, vertices=100, effort="draft", weights=weights))
 
 
 def test_threads_do_not_matter():
