@@ -122,10 +122,10 @@ class Mesh:
     ) -> None:
         self.positions = _packed(positions, np.float32)
         self.colors = _packed(colors, np.float32)
-        self.faces = _packed(faces, np.uint32)
-        self.width = int(width)
-        self.height = int(height)
-        self.peak = float(peak)
+        self.faces = _indices(faces)
+        self.width = _whole("width", width, -(2**63), 2**63 - 1)
+        self.height = _whole("height", height, -(2**63), 2**63 - 1)
+        self.peak = _real("peak", peak)
         self.premultiplied = bool(premultiplied)
         self.periodic = _AXES[_number_of("periodic", _AXES, periodic)]
         self.samples = _GRIDS[_number_of("samples", _GRIDS, samples)]
@@ -157,7 +157,7 @@ class Mesh:
         return {
             "positions": _packed(self.positions, np.float32),
             "colors": _packed(self.colors, np.float32),
-            "faces": _packed(self.faces, np.uint32),
+            "faces": _indices(self.faces),
             "width": self.width,
             "height": self.height,
             "peak": self.peak,
@@ -195,7 +195,8 @@ class Mesh:
 
         width, height: px of the picture, 1 to 65536; by default those of the mesh
         linear: interpolates linear light between sRGB colours rather than the stored values
-        dtype: float32 for stored values as they are; uint8 or uint16 for them rounded and held to the type's range
+        dtype: float32 for stored values as they are; uint8 or uint16 for them scaled from `peak` to the type's largest, rounded
+            and held to its range
         """
         sides = [None if side is None else _whole(name, side, 1, 65536) for name, side in (("width", width), ("height", height))]
         picture = _core.render(self._core(), *sides, bool(linear), _threads(threads))
@@ -320,6 +321,18 @@ def _packed(array: Any, dtype: Any = None) -> np.ndarray:
     return np.require(array, dtype, ("C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"))
 
 
+def _indices(faces: Any) -> np.ndarray:
+    """Faces as the core takes them; numbers that uint32 does not hold would become other vertices."""
+    array = np.asarray(faces)
+    if array.dtype.kind not in "uif":
+        raise TypeError(f"faces must be numbers, and are of {array.dtype}")
+    with np.errstate(invalid="ignore"):
+        indices = _packed(array, np.uint32)
+    if not np.array_equal(indices, array):
+        raise ValueError("faces must be whole numbers from 0 to 4294967295")
+    return indices
+
+
 def _plain(array: np.ndarray) -> np.ndarray:
     """The array with bytes in this machine's order and pixels beside each other in rows that go forward; a copy only where it
     must be."""
@@ -427,24 +440,27 @@ def mesh_image(
     sentence where an argument is refused, MemoryError, and what `progress` raises.
     """
     array = _image(image, max_channels)
-    if weights is not None and not np.any(weights):
+    pixel_weights = _map("weights", weights, np.float32, array.shape)
+    if pixel_weights is not None and not pixel_weights.any():
         raise ValueError("weights must not all be 0: no pixel would count")
     given = [(name, value) for name, value in (("vertices", vertices), ("percent", percent), ("psnr", psnr)) if value is not None]
     if len(given) > 1:
         raise ValueError(f"{given[0][0]} and {given[1][0]} are both targets, and there can be one")
     options = _plain_options()
     if given:
-        options["target"], options["value"] = given[0][0], float(given[0][1])
+        options["target"], options["value"] = given[0][0], _real(*given[0])
         if given[0][0] == "vertices" and not options["value"].is_integer():
             raise ValueError(f"vertices must be a whole number, and is {vertices!r}")
+    if start is not None and not isinstance(start, Mesh):
+        raise TypeError(f"start must be a Mesh, and is of type {type(start).__name__}")
     options.update(
         max_vertices=None if max_vertices is None else _whole("max_vertices", max_vertices, -(2**63), 2**63 - 1),
         good_enough=good_enough,
         effort=_number_of("effort", _EFFORTS, effort),
         seed=_whole("seed", seed, 0, 2**64 - 1),
         tile=_whole("tile", tile, 0, 2**31 - 1),
-        weights=_map("weights", weights, np.float32, array.shape),
-        channel_weights=tuple(float(weight) for weight in channel_weights),
+        weights=pixel_weights,
+        channel_weights=tuple(_real("channel_weights", weight) for weight in channel_weights),
         colors=None if colors is None else _number_of("colors", _COLORS, colors),
         round_colors=bool(round_colors),
         premultiplied=bool(premultiplied),
@@ -452,7 +468,7 @@ def mesh_image(
         straight_border=bool(straight_border),
         samples=_number_of("samples", _GRIDS, samples),
         border_tolerance=border_tolerance,
-        position_step=float(position_step),
+        position_step=_real("position_step", position_step),
         start=None if start is None else start._core(),
         progress=_listener(progress),
         threads=_threads(threads),
@@ -531,7 +547,7 @@ def mesh_terrain(
     array = _image(heights, 1)
     options = _plain_options()
     options.update(
-        max_error=float(max_error),
+        max_error=_real("max_error", max_error),
         effort=_number_of("effort", _TERRAIN_EFFORTS, effort),
         free_borders=bool(free_borders),
         mask=None if mask is None else _map("mask", np.asarray(mask) != 0, np.uint8, array.shape),
@@ -543,11 +559,27 @@ def mesh_terrain(
     return Mesh._of(_core.mesh_terrain(array, options))
 
 
+def _real(name: str, value: Any) -> float:
+    """A number as a float."""
+    try:
+        return float(value)
+    except (TypeError, ValueError, OverflowError):
+        raise TypeError(f"{name} must be a number that a float holds, and is {_words(value)}") from None
+
+
+def _words(value: Any) -> str:
+    """What a sentence says of a value: how it is written, or its type where that fails, as of integers of thousands of digits."""
+    try:
+        return repr(value)
+    except Exception:
+        return f"of type {type(value).__name__}"
+
+
 def _whole(name: str, value: Any, low: int, high: int) -> int:
     """A whole number within bounds; a float may be one, as 1e6 is."""
     is_whole = isinstance(value, (int, np.integer)) or (isinstance(value, (float, np.floating)) and float(value).is_integer())
     if isinstance(value, bool) or not is_whole or not low <= int(value) <= high:
-        raise ValueError(f"{name} must be a whole number from {low} to {high}, and is {value!r}")
+        raise ValueError(f"{name} must be a whole number from {low} to {high}, and is {_words(value)}")
     return int(value)
 
 

@@ -510,11 +510,45 @@ def test_options_of_a_wrong_type_have_a_sentence():
         ("title must be text, and is None", lambda: mesh.tobytes("html", title=None)),
         ("title must not have a zero", lambda: mesh.tobytes("html", title="a\0b")),
         ("max_vertices must be a whole number", lambda: hmesh.read(mesh.tobytes("hmc"), max_vertices=2**70)),
+        ("vertices must be a number that a float holds", lambda: hmesh.mesh_image(image, vertices=10**400)),
+        ("percent must be a number that a float holds, and is \\[1\\]", lambda: hmesh.mesh_image(image, percent=[1])),
+        ("psnr must be a number that a float holds, and is of type int", lambda: hmesh.mesh_image(image, psnr=-10**5000)),
+        ("seed must be a whole number from 0 .* and is of type int", lambda: hmesh.mesh_image(image, seed=10**5000)),
+        ("position_step must be a number", lambda: hmesh.mesh_image(image, position_step=10**400)),
+        ("channel_weights must be a number", lambda: hmesh.mesh_image(image, channel_weights=[1, 10**400, 1])),
+        ("max_error must be a number", lambda: hmesh.mesh_terrain(image[:, :, 0], max_error=10**400)),
+        ("weights must not all be 0", lambda: hmesh.mesh_image(image, weights=np.full((80, 120), 1e-300))),  # as floats
+        ("start must be a Mesh, and is of type dict", lambda: hmesh.mesh_image(image, start={})),
     ):
         with pytest.raises((TypeError, ValueError), match=sentence):
             call()
     with pytest.raises(ValueError, match="truth value"):
         hmesh.mesh_image(image, progress=lambda now: np.array([1, 2]))
+
+
+def test_a_mesh_takes_no_number_for_another():
+    mesh = hmesh.mesh_image(picture(), vertices=50, effort="draft")
+
+    def make(faces=mesh.faces, **sizes):
+        return hmesh.Mesh(mesh.positions, mesh.colors, faces, **{"width": 120, "height": 80, **sizes})
+
+    for faces in (mesh.faces.astype(np.int64), mesh.faces.astype(np.float64), mesh.faces.tolist()):
+        assert same(make(faces), mesh)
+    assert make(np.zeros((0, 3))).faces.shape == (0, 3)
+    for wrong in (2**32, -1, 0.5, math.nan, math.inf, 1e30):  # of which 2^32 would be vertex 0, and 0.5 too
+        faces = mesh.faces.astype(np.float64)
+        faces[3, 1] = wrong
+        with pytest.raises(ValueError, match="faces must be whole numbers from 0 to 4294967295"):
+            make(faces)
+        other = make()
+        other.faces = faces
+        with pytest.raises(ValueError, match="faces must be whole numbers"):
+            other.render()
+    with pytest.raises(TypeError, match="faces must be numbers"):
+        make(mesh.faces.astype(object))
+    for name, value in (("width", 2.5), ("height", math.inf), ("peak", 10**400)):
+        with pytest.raises((TypeError, ValueError), match=f"{name} must be a"):
+            make(**{name: value})
 
 
 class Trimesh:
