@@ -11,6 +11,7 @@ sentences name the value and its bound.
 
 from __future__ import annotations
 
+import io
 import math
 import os
 import tempfile
@@ -249,6 +250,13 @@ class Mesh:
         data = self.tobytes(format, **options)
         if isinstance(target, (str, os.PathLike)):
             _write_whole(os.fspath(target), data)
+        elif isinstance(target, io.RawIOBase):  # takes no more at once than it likes
+            rest = memoryview(data)
+            while rest:
+                taken = target.write(rest)
+                if not taken:
+                    raise BlockingIOError(f"the file took {len(data) - len(rest)} of {len(data)} bytes")
+                rest = rest[taken:]
         else:
             target.write(data)
 
@@ -589,10 +597,12 @@ def read(source: Union[str, os.PathLike[str], BinaryIO, bytes], *, max_vertices:
     if isinstance(source, (str, os.PathLike)):
         with open(source, "rb") as file:
             data = file.read()
-    elif isinstance(source, (bytes, bytearray, memoryview)):
-        data = bytes(source)
     else:
-        data = source.read()
+        data = source.read() if hasattr(source, "read") else source
+        if not isinstance(data, (bytes, bytearray, memoryview)):
+            given = "source" if data is source else "source.read()"
+            raise TypeError(f"source must be a path, a binary file or bytes, and {given} is of type {type(data).__name__}")
+        data = bytes(data)
     most = [_whole(name, value, -(2**63), 2**63 - 1) for name, value in (("max_vertices", max_vertices), ("max_pixels", max_pixels))]
     return Mesh._of(_core.read_compact(data, *most))
 

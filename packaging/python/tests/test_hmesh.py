@@ -519,6 +519,8 @@ def test_options_of_a_wrong_type_have_a_sentence():
         ("max_error must be a number", lambda: hmesh.mesh_terrain(image[:, :, 0], max_error=10**400)),
         ("weights must not all be 0", lambda: hmesh.mesh_image(image, weights=np.full((80, 120), 1e-300))),  # as floats
         ("start must be a Mesh, and is of type dict", lambda: hmesh.mesh_image(image, start={})),
+        ("source must be .* and source is of type list", lambda: hmesh.read([1])),
+        (r"source must be .* and source.read\(\) is of type str", lambda: hmesh.read(io.StringIO("text"))),
     ):
         with pytest.raises((TypeError, ValueError), match=sentence):
             call()
@@ -549,6 +551,37 @@ def test_a_mesh_takes_no_number_for_another():
     for name, value in (("width", 2.5), ("height", math.inf), ("peak", 10**400)):
         with pytest.raises((TypeError, ValueError), match=f"{name} must be a"):
             make(**{name: value})
+
+
+class Raw(io.RawIOBase):
+    """A file without a buffer, which takes a few bytes at a time, and no more than `most`."""
+
+    def __init__(self, most):
+        self.got, self.most = bytearray(), most
+
+    def writable(self):
+        return True
+
+    def write(self, data):
+        part = bytes(data)[:min(1000, self.most - len(self.got))]
+        self.got += part
+        return len(part) or None
+
+
+def test_files_that_take_less_than_they_are_given():
+    mesh = hmesh.mesh_image(picture(), vertices=100, effort="draft")
+    whole, full = Raw(10**9), Raw(2500)
+    mesh.write(whole, "ply", ascii=True)
+    assert whole.got == mesh.tobytes("ply", ascii=True)
+    with pytest.raises(BlockingIOError):
+        mesh.write(full, "ply", ascii=True)
+    assert full.got == mesh.tobytes("ply", ascii=True)[:2500]
+
+
+def test_files_that_give_other_bytes_than_bytes():
+    data = hmesh.mesh_image(picture(), vertices=100, effort="draft").tobytes("hmc")
+    for kind in (bytes, bytearray, memoryview):
+        assert same(hmesh.read(types.SimpleNamespace(read=lambda: kind(data))), hmesh.read(data))
 
 
 class Trimesh:
