@@ -307,6 +307,29 @@ template <int most, class Body>
     return recipe;
 }
 
+// A pool of threads whose pieces may throw, as where memory runs out: the first exception is thrown by the call, which hands out
+// no more pieces.
+class Threads {
+  public:
+    explicit Threads(unsigned count) : pool_(count) {}
+    void operator()(std::size_t n, hmesh::Piece piece) const {
+        std::atomic<bool> has_failed{false};
+        std::exception_ptr error;  // of the one that set has_failed
+        pool_(n, [&](std::size_t i) {
+            if (has_failed) return;
+            try {
+                piece(i);
+            } catch (...) {
+                if (!has_failed.exchange(true)) error = std::current_exception();
+            }
+        });
+        if (error) std::rethrow_exception(error);
+    }
+
+  private:
+    example::ThreadPool pool_;
+};
+
 // What a call gives that runs without the interpreter's lock, with so many threads and a callback.
 template <class Call>
 [[nodiscard]] auto run(const py::dict& with, hmesh::Progress& progress, Call&& call) {
@@ -315,7 +338,7 @@ template <class Call>
     const auto threads = get<unsigned>(with, "threads");
     auto result = [&] {
         const py::gil_scoped_release free;
-        const example::ThreadPool pool(threads);
+        const Threads pool(threads);
         return call(pool);
     }();
     listener.finish();
@@ -378,7 +401,7 @@ template <int C>
     hmesh::RenderResult<C> result;
     {
         const py::gil_scoped_release free;
-        const example::ThreadPool pool(threads);
+        const Threads pool(threads);
         result = hmesh::render<C>(mesh, options, pool);
     }
     if (!result.status) raise(result.status);

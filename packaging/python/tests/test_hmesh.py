@@ -114,6 +114,36 @@ def test_threads_do_not_matter():
     assert all(same(mesh, wanted) for mesh in meshes)
 
 
+def test_out_of_memory_is_an_exception_with_any_number_of_threads():
+    pytest.importorskip("resource")
+    code = """if True:
+        import resource
+        import hmesh
+        import numpy as np
+
+        image = np.random.default_rng(0).integers(0, 255, (900, 900, 3), dtype=np.uint8)
+        meshes = refusals = 0
+        for megabytes in range(20, 60, 3):
+            with open("/proc/self/statm") as file:
+                size = int(file.read().split()[0]) * resource.getpagesize()
+            resource.setrlimit(resource.RLIMIT_AS, (size + (megabytes << 20), resource.RLIM_INFINITY))
+            try:
+                hmesh.mesh_image(image, percent=1, effort="draft", threads=2)
+                meshes += 1
+            except MemoryError:
+                refusals += 1
+            except RuntimeError:  # there was no memory for a thread
+                pass
+            resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        assert meshes and refusals
+    """
+    if not os.path.exists("/proc/self/statm"):
+        pytest.skip("it is not known how much memory a process has")
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    # The C library ends the process where it has no memory for what a thread needs to throw.
+    assert child.returncode == 0 or "thread-local data" in child.stderr, child.stderr
+
+
 def test_the_bytes_are_those_of_the_command(tmp_path):
     command = os.environ.get("HMESH_COMMAND")
     if not command:
