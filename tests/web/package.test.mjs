@@ -317,6 +317,26 @@ test('what is no image, no option and no mesh is refused with a sentence that na
   mesher.close();
 });
 
+test('what was transferred before the worker was sent it, or cannot be sent, fails that call alone', async () => {
+  const mesher = new Mesher(), late = picture(64, 48), weights = new Float32Array(64 * 48).fill(1);
+  const transfer = ({ buffer }) => structuredClone(buffer, { transfer: [buffer] });
+  const isRefused = async (call) => assert.equal((await errorOf(() => call)).name, 'DataCloneError');
+  mesher.setImage(late);
+  transfer(late.data);
+  await isRefused(mesher.meshImage({ vertices: 50 }));
+  mesher.setImage(image);
+  const weighted = mesher.meshImage({ vertices: 50, weights });
+  transfer(weights);
+  await isRefused(weighted);
+  const mesh = await mesher.meshImage({ vertices: 50 });
+  await isRefused(mesher.write('ply', { mesh: { ...mesh, draw() {} } }));
+  transfer(mesh.positions);
+  await isRefused(mesher.write('ply'));
+  await isRefused(mesher.render());
+  assert.equal((await mesher.meshImage({ vertices: 50 })).vertices, 50);
+  mesher.close();
+});
+
 test('out of memory is said in a sentence, and the instance serves the next call', async () => {
   const hmesh = await load(undefined, { maximumMemory: 8 });
   for (const side of [1400, 1800, 3000]) {  // while it works, and before it begins

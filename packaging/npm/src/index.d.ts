@@ -24,7 +24,8 @@ export function meshImage(image: Pixels, options?: WorkOptions): Promise<EffortM
 export class Mesher {
   /** The mesh made or read last. */
   readonly mesh: EffortMesh | Mesh | undefined;
-  /** Takes the image to mesh, whose pixels are read when the first call needs them. Throws an HmeshError. */
+  /** Takes the image to mesh, whose pixels are read when the first call needs them. Throws an HmeshError. Where they, or the arrays of options,
+   * were transferred elsewhere before a call begins, that call is rejected with the platform's DataCloneError. */
   setImage(image: Pixels): void;
   /** Makes a mesh of the image. */
   meshImage(options?: WorkOptions): Promise<EffortMesh>;
