@@ -227,22 +227,22 @@ template <int C>
 }
 
 /// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
-/// one that has about `limit` edges or more. False: there is none. O(n).
+/// one that has about `limit` edges or more. False: there is none. O(n), and a byte for each pixel of the image.
 [[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
-                                                     const Array<Triangle>& faces, int width, int limit) {
+                                                     const Array<Triangle>& faces, int width, int height, int limit) {
     Array<int> counts(positions.size(), 0);
     for (const Triangle& t : faces)
         for (const std::uint32_t v : t) ++counts[v];
-    Array<std::uint32_t> crowd;
+    const auto columns = static_cast<std::size_t>(width);
+    Array<std::uint8_t> is_crowded(columns * static_cast<std::size_t>(height), 0);
     for (const Triangle& t : faces)
-        if (std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return counts[v] >= limit; }))
+        for (const std::uint32_t center : t)
             for (const std::uint32_t v : t)
-                crowd.push_back(static_cast<std::uint32_t>(positions[v].y) * static_cast<std::uint32_t>(width) +
-                                static_cast<std::uint32_t>(positions[v].x));
-    std::sort(crowd.begin(), crowd.end());
+                if (counts[center] >= limit)
+                    is_crowded[static_cast<std::size_t>(positions[v].y) * columns + static_cast<std::size_t>(positions[v].x)] = 1;
     std::size_t kept = 0, crowded = 0;
     for (const std::uint32_t pixel : pixels)
-        if (!std::binary_search(crowd.begin(), crowd.end(), pixel) || ++crowded % 2 == 0) pixels[kept++] = pixel;
+        if (is_crowded[pixel] == 0 || ++crowded % 2 == 0) pixels[kept++] = pixel;
     pixels.resize(kept);
     return crowded > 0;
 }

@@ -246,7 +246,7 @@ class AnnealedRun {
                 mesh = corner_mesh(source);
                 break;
             }
-            if (!leave_out_crowd(pixels, mesh.positions, mesh.faces, source.width(), limit)) return false;
+            if (!leave_out_crowd(pixels, mesh.positions, mesh.faces, mesh.width, mesh.height, limit)) return false;
         }
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());

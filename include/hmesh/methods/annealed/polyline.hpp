@@ -29,7 +29,7 @@ inline constexpr std::size_t longest_chord = 1024;
 class PolylineFinder {
   public:
     /// Of the numbers of one sample after the other; there are 2 samples or more. Keeps them.
-    PolylineFinder(Array<double> samples, std::size_t channels)
+    HMESH_COLD PolylineFinder(Array<double> samples, std::size_t channels)
         : samples_(std::move(samples)), channels_(channels), low_(channels), high_(channels) {
         for (std::size_t k = 0; k + block * channels <= samples_.size(); k += block * channels)
             for (std::size_t c = 0; c < channels; ++c) {
