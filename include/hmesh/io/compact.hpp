@@ -23,11 +23,12 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
-#include <tuple>
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/body.hpp"
@@ -259,11 +260,8 @@ class CompactWriter {
             still.clear();
             for (const std::size_t v : left) {
                 const GridPoint from = places_[v];
-                struct Choice {
-                    std::int64_t distance;
-                    GridPoint at;
-                };
-                std::vector<Choice> points;
+                std::vector<GridPoint> points;
+                kit::Array<kit::Coded> nearest;  // of those equally far the one further left, then up
                 const auto along = [&](std::int32_t place, std::size_t axis) {
                     std::vector<std::int32_t> sites;
                     if (place == 0 || place == sides[axis]) return sites = {place};
@@ -274,14 +272,14 @@ class CompactWriter {
                 for (const std::int32_t x : along(from.x, 0))
                     for (const std::int32_t y : along(from.y, 1)) {
                         const std::int64_t dx = x - from.x, dy = y - from.y;
-                        points.push_back({dx * dx + dy * dy, {x, y}});
+                        nearest.push_back(
+                            {static_cast<std::uint64_t>(dx * dx + dy * dy), static_cast<std::uint32_t>(points.size())});
+                        points.push_back({x, y});
                     }
-                std::sort(points.begin(), points.end(), [](const Choice& a, const Choice& b) {
-                    return std::make_tuple(a.distance, a.at.x, a.at.y) < std::make_tuple(b.distance, b.at.x, b.at.y);
-                });
+                kit::sort_by_code(nearest);
                 bool is_found = false;
-                for (const Choice& choice : points) {
-                    places_[v] = choice.at;
+                for (const kit::Coded& choice : nearest) {
+                    places_[v] = points[choice.number];
                     is_found = is_free(v);
                     if (is_found) break;
                 }
@@ -296,7 +294,7 @@ class CompactWriter {
     // The points in the file's order, and which of them each vertex is.
     [[nodiscard]] Status find_points() {
         const auto [columns, rows] = lattice_of(head_);
-        std::array<std::vector<std::array<std::uint64_t, 2>>, 5> parts;  // the way to each site, and its vertex
+        std::array<kit::Array<kit::Coded>, 5> parts;  // vertices by the way to their site
         const Halving inside(std::max(columns, 2U) - 1, std::max(rows, 2U) - 1);
         point_of_.assign(places_.size(), Triangulation::none);
         // Of vertices at one place, as cuts of periodic images have where they meet themselves, those of one colour become one.
@@ -323,15 +321,15 @@ class CompactWriter {
                 continue;
             }
             const std::size_t part = y == 0 ? 0 : x == columns ? 1 : y == rows ? 2 : x == 0 ? 3 : 4;
-            parts[part].push_back({part == 4 ? inside.way({x - 1, y - 1}) : on_side ? x - 1 : y - 1, v});
+            parts[part].push_back({part == 4 ? inside.way({x - 1, y - 1}) : on_side ? x - 1 : y - 1, static_cast<Index>(v)});
         }
         Index next = 4;
         for (std::size_t part = 0; part < 5; ++part) {
-            std::sort(parts[part].begin(), parts[part].end());
+            kit::sort_by_code(parts[part]);
             for (std::size_t k = 0; k < parts[part].size(); ++k) {
                 const auto& [way, v] = parts[part][k];
-                if (k > 0 && parts[part][k - 1][0] == way) {
-                    has_twins = has_twins || !is_same(parts[part][k - 1][1], v);
+                if (k > 0 && parts[part][k - 1].code == way) {
+                    has_twins = has_twins || !is_same(parts[part][k - 1].number, v);
                     point_of_[v] = next - 1;
                     continue;
                 }
@@ -352,8 +350,8 @@ class CompactWriter {
     [[nodiscard]] Status find_faces() {
         const std::vector<GridPoint> points = points_of(head_, body_);
         std::vector<Triangle> faces(mesh_->face_count);
-        std::vector<std::array<Index, 2>> edges;
-        edges.reserve(3 * faces.size());
+        kit::Array<kit::Coded> sides;
+        sides.reserve(3 * faces.size());
         std::vector<bool> is_corner(points.size(), false);
         for (std::size_t f = 0; f < faces.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) faces[f][k] = point_of_[mesh_->faces[f][k]];
@@ -363,7 +361,7 @@ class CompactWriter {
             std::rotate(faces[f].begin(), std::min_element(faces[f].begin(), faces[f].end()), faces[f].end());
             for (std::size_t k = 0; k < 3; ++k) {
                 const Index a = faces[f][k], b = faces[f][(k + 1) % 3];
-                edges.push_back({std::min(a, b), std::max(a, b)});
+                sides.push_back({kit::code_of(std::min(a, b), std::max(a, b)), 0});
                 is_corner[a] = true;
             }
         }
@@ -371,8 +369,12 @@ class CompactWriter {
             if (!is_corner[point_of_[v]])
                 return {Errc::invalid_argument, "a compact file holds vertices that are corners of faces, not vertex",
                         static_cast<std::int64_t>(v)};
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        kit::sort_by_code(sides);
+        std::vector<std::array<Index, 2>> edges;
+        edges.reserve(sides.size() / 2);
+        for (std::size_t k = 0; k < sides.size(); ++k)
+            if (k == 0 || sides[k].code != sides[k - 1].code)
+                edges.push_back({static_cast<Index>(sides[k].code >> 32U), static_cast<Index>(sides[k].code)});
         Triangulation whole(points);
         FlipFinder finder(whole);
         const Status overlap(Errc::invalid_argument, "a compact file holds faces that meet in whole edges and do not overlap");

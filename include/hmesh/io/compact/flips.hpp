@@ -19,6 +19,8 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/mixer.hpp"
 #include "hmesh/io/compact/plane.hpp"
@@ -194,11 +196,12 @@ class FlipFinder {
 
     /// The flips made, sorted.
     [[nodiscard]] std::vector<Flip> flips() const {
+        kit::Array<kit::Coded> order;
+        for (std::uint32_t k = 0; k < made_.size(); ++k)
+            if (!made_[k].is_undone) order.push_back({kit::code_of(made_[k].flip.edge, made_[k].flip.round), k});
+        kit::sort_by_code(order);
         std::vector<Flip> sorted;
-        for (const Made& made : made_)
-            if (!made.is_undone) sorted.push_back(made.flip);
-        std::sort(sorted.begin(), sorted.end(),
-                  [](const Flip& a, const Flip& b) { return a.edge != b.edge ? a.edge < b.edge : a.round < b.round; });
+        for (const kit::Coded& at : order) sorted.push_back(made_[at.number].flip);
         return sorted;
     }
 

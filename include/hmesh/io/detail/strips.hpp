@@ -17,6 +17,7 @@
 #include <limits>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/coded_order.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -35,33 +36,21 @@ inline constexpr std::uint32_t no_face = std::numeric_limits<std::uint32_t>::max
 /// The face across each side of each face, or no_face; side k runs from corner k to corner k + 1. A side used by more than two
 /// faces joins them two by two, so that each side leads to at most one face. At most 2^32 / 3 faces.
 [[nodiscard]] inline kit::Array<Triangle> face_neighbors(const MeshView& mesh) {
-    struct Side {
-        std::uint32_t high, corner;  // the larger end; 3 * face + k
-    };
-    // Sorted by the smaller end by counting, then the few that share it.
-    kit::Array<std::size_t> first(mesh.vertex_count + 1, 0);
-    for (std::size_t f = 0; f < mesh.face_count; ++f)
-        for (std::size_t k = 0; k < 3; ++k) ++first[std::min(mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]) + std::size_t{1}];
-    for (std::size_t v = 0; v < mesh.vertex_count; ++v) first[v + 1] += first[v];
-    kit::Array<Side> sides(3 * mesh.face_count);
+    kit::Array<kit::Coded> sides;  // by their ends, the smaller one first; number 3 * face + k
+    sides.reserve(3 * mesh.face_count);
     for (std::size_t f = 0; f < mesh.face_count; ++f)
         for (std::size_t k = 0; k < 3; ++k) {
             const auto [low, high] = std::minmax({mesh.faces[f][k], mesh.faces[f][(k + 1) % 3]});
-            sides[first[low]++] = {high, static_cast<std::uint32_t>(3 * f + k)};
+            sides.push_back({kit::code_of(low, high), static_cast<std::uint32_t>(3 * f + k)});
         }
+    kit::sort_by_code(sides);
     kit::Array<Triangle> across(mesh.face_count, {no_face, no_face, no_face});
-    for (std::size_t v = 0, i = 0; v < mesh.vertex_count; ++v) {
-        const std::size_t end = first[v];
-        std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(end),
-                  [](const Side& a, const Side& b) { return a.high != b.high ? a.high < b.high : a.corner < b.corner; });
-        for (; i < end; ++i) {
-            if (i + 1 == end || sides[i].high != sides[i + 1].high) continue;
-            const std::uint32_t one = sides[i].corner, other = sides[i + 1].corner;
-            if (one / 3 == other / 3) continue;  // a face that has a corner twice
-            across[one / 3][one % 3] = other / 3;
-            across[other / 3][other % 3] = one / 3;
-            ++i;
-        }
+    for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
+        const std::uint32_t one = sides[i].number, other = sides[i + 1].number;
+        if (sides[i].code != sides[i + 1].code || one / 3 == other / 3) continue;  // a face may have a corner twice
+        across[one / 3][one % 3] = other / 3;
+        across[other / 3][other % 3] = one / 3;
+        ++i;
     }
     return across;
 }
