@@ -97,25 +97,34 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
     // Half as many vertices as its pixels would get, and down to an eighth: cheap, and near enough. So is half the size
-    // where vertices are some pixels apart in it.
+    // where vertices are some pixels apart in it, and of large tiles half of that with a quarter of the vertices.
     const TileLevel& level = plan_.level(task.level);
     const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(level.width) * level.height;
-    const double rate = static_cast<double>(level.vertices) / all, count = std::max(4.0, std::floor(0.5 * rate * pixels));
+    const double rate = static_cast<double>(level.vertices) / all;
+    double count = std::max(4.0, std::floor(0.5 * rate * pixels)), area = 1, lost = 0;  // area of a pixel that is tried
+    const auto shrink = [&] {
+        ImageFile half;
+        lost += area * halve(tile, half);
+        tile = std::move(half);
+        area *= 4;
+    };
+    const std::vector<SideCounts> sides = count_side_vertices(tile, tolerances_of(plan_));
+    if (rate < 1.0 / 32 && std::min(tile.width, tile.height) >= 64) {
+        shrink();
+        if (count >= 10000) {
+            shrink();
+            count /= 4;
+        }
+    }
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
-    ImageFile half;
-    const bool is_halved = rate < 1.0 / 32 && std::min(tile.width, tile.height) >= 64;
-    const double lost = is_halved ? halve(tile, half) : 0;
     MeshingOptions options = meshing_of(plan_, static_cast<std::size_t>(std::min(pixels, count)), progress);
     options.effort = hmesh::Effort::draft;
     for (double n = count; options.levels < 3 && n >= 16; n /= 2) ++options.levels;
-    const hmesh::Lods lods = mesh_levels(is_halved ? half : tile, options, parallel_for);
+    const hmesh::Lods lods = mesh_levels(tile, options, parallel_for);
     if (!lods.status) return "'" + plan_.path + "' as " + name_of(plan_, task) + ": " + tool::in_words(lods.status);
-    Json trials = Json::array(), sides = Json::array();
-    const double area = is_halved ? 4 : 1;  // of a pixel that was tried
+    Json trials = Json::array();
     for (const hmesh::Result& trial : lods.levels) trials.push_back({trial.report.vertices, area * trial.report.energy});
-    for (const SideCounts& counts : count_side_vertices(tile, tolerances_of(plan_))) sides.push_back(counts);
-    facts = {
-        {"trials", trials}, {"lost", lost}, {"pixels", tile.width * static_cast<std::int64_t>(tile.height)}, {"sides", sides}};
+    facts = {{"trials", trials}, {"lost", lost}, {"pixels", static_cast<std::int64_t>(pixels)}, {"sides", sides}};
     return {};
 }
 

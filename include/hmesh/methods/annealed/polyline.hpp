@@ -31,16 +31,15 @@ class PolylineFinder {
     /// Of the numbers of one sample after the other; there are 2 samples or more. Keeps them.
     HMESH_COLD PolylineFinder(Array<double> samples, std::size_t channels)
         : samples_(std::move(samples)), channels_(channels), low_(channels), high_(channels) {
-        for (std::size_t k = 0; k + block * channels <= samples_.size(); k += block * channels)
-            for (std::size_t c = 0; c < channels; ++c) {
-                double least = samples_[k + c], most = least;
-                for (std::size_t j = 1; j < block; ++j) {
-                    least = std::min(least, samples_[k + channels * j + c]);
-                    most = std::max(most, samples_[k + channels * j + c]);
-                }
-                least_.push_back(least);
-                most_.push_back(most);
+        for (std::size_t k = 0; k < samples_.size(); ++k) {
+            const std::size_t b = k / channels / block, c = k % channels;
+            if (k / channels % block == 0) {
+                least_.push_back(samples_[k]);
+                most_.push_back(samples_[k]);
             }
+            least_[channels * b + c] = std::min(least_[channels * b + c], samples_[k]);
+            most_[channels * b + c] = std::max(most_[channels * b + c], samples_[k]);
+        }
     }
 
     /// The fewest samples, the first and the last among them, whose polyline passes all others within a tolerance >= 0 in each
@@ -65,7 +64,7 @@ class PolylineFinder {
                 std::size_t passed = i + 1;
                 for (std::size_t k = next; k < std::min(count, i + longest_chord + 1); ++k) {
                     if (chords[k] != unknown) continue;
-                    if (!pass(i, std::exchange(passed, k), k)) break;
+                    if (!pass_all(i, std::exchange(passed, k), k)) break;
                     if (!ends_at(i, k)) continue;
                     chords[k] = reached + 1;
                     before[k] = static_cast<std::uint32_t>(i);
@@ -81,33 +80,36 @@ class PolylineFinder {
     }
 
   private:
-    static constexpr std::size_t block = 32;
+    static constexpr std::size_t block = 32, few = 8;
 
-    // Narrows the slopes of chords from sample i to those that pass samples begin <= k < end too. Whether there are any.
-    [[nodiscard]] HMESH_PATCHWISE bool pass(std::size_t i, std::size_t begin, std::size_t end) {
-        // The furthest first: they leave the fewest slopes, and whole blocks nearer by then change nothing.
+    // Narrows the slopes of chords from sample i to those that pass sample k too, in channel c.
+    void pass(std::size_t i, std::size_t k, std::size_t c) {
+        const double rise = samples_[channels_ * k + c] - samples_[channels_ * i + c], length = static_cast<double>(k - i);
+        low_[c] = std::max(low_[c], (rise - tolerance_) / length);
+        high_[c] = std::min(high_[c], (rise + tolerance_) / length);
+    }
+    // The same for samples begin <= k < end and all channels. Whether there are any slopes.
+    [[nodiscard]] HMESH_PATCHWISE bool pass_all(std::size_t i, std::size_t begin, std::size_t end) {
+        // The furthest first: it leaves the fewest slopes, and blocks nearer by then change nothing.
+        const bool is_long = end - begin > few;
+        for (std::size_t c = 0; is_long && c < channels_; ++c) pass(i, end - 1, c);
         while (end > begin) {
             const std::size_t from = std::max(begin, (end - 1) / block * block);
             for (std::size_t c = 0; c < channels_; ++c) {
-                const double start = samples_[channels_ * i + c];
-                if (end - from == block && changes_nothing(i, from, c)) continue;
-                for (std::size_t k = from; k < end; ++k) {
-                    const double rise = samples_[channels_ * k + c] - start, length = static_cast<double>(k - i);
-                    low_[c] = std::max(low_[c], (rise - tolerance_) / length);
-                    high_[c] = std::min(high_[c], (rise + tolerance_) / length);
-                }
+                if (end - from > few && changes_nothing(i, from, end, c)) continue;
+                for (std::size_t k = from; k < end; ++k) pass(i, k, c);
                 if (low_[c] > high_[c]) return false;
             }
             end = from;
         }
         return true;
     }
-    // Whether all slopes of chords from sample i pass a block in this channel.
-    [[nodiscard]] bool changes_nothing(std::size_t i, std::size_t from, std::size_t c) const {
+    // Whether all slopes of chords from sample i pass these samples of one block in this channel.
+    [[nodiscard]] bool changes_nothing(std::size_t i, std::size_t from, std::size_t end, std::size_t c) const {
         const double start = samples_[channels_ * i + c];
         const double low = most_[channels_ * (from / block) + c] - start - tolerance_;
         const double high = least_[channels_ * (from / block) + c] - start + tolerance_;
-        const auto nearest = static_cast<double>(from - i), furthest = static_cast<double>(from + block - 1 - i);
+        const auto nearest = static_cast<double>(from - i), furthest = static_cast<double>(end - 1 - i);
         return low / (low < 0 ? furthest : nearest) <= low_[c] && high / (high < 0 ? nearest : furthest) >= high_[c];
     }
     [[nodiscard]] bool ends_at(std::size_t i, std::size_t k) const {
