@@ -246,6 +246,14 @@ def test_colours_of_what_is_transparent_do_not_show_at_any_level(hmesh):
         assert {color[:3] for color in colors} == {(200, 40, 10)} and all(80 < color[3] < 160 for color in colors)
 
 
+def test_fine_detail_that_is_meshed_well_is_foretold(hmesh):
+    draw("rings.pgm", 1, 640, 400, lambda x, y, c: round(128 + 60 * math.sin(math.hypot(x - 320, y - 200) / 2)))
+    plan(hmesh, "--rate 5 --tile 640 --effort draft", "rings.pgm")
+    finish(hmesh)
+    whole = json.loads(hmesh.done("rings.pgm -o whole.ply --samples points --rate 5 --effort draft --json"))
+    assert json.loads(read("job/tiles/index.json"))["psnr"] > whole["psnr"] - 0.5
+
+
 # ---- by whatever engine ----
 def test_no_order_threads_processes_or_restarts_are_seen_in_the_files(hmesh):
     looks, shares, made, seams, index = plan(hmesh)
