@@ -254,6 +254,25 @@ def test_fine_detail_that_is_meshed_well_is_foretold(hmesh):
     assert json.loads(read("job/tiles/index.json"))["psnr"] > whole["psnr"] - 0.5
 
 
+@pytest.mark.parametrize("scale", [None, 2.0 ** -12, 1, 2.0 ** 40])
+def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, scale):
+    """Heights of 16 bits that use a thirtieth of these, and floats."""
+    def height(x, y):
+        return math.sin(x / 30) * math.cos(y / 47) + 0.3 * math.sin((x + 2 * y) / 11)
+
+    places = [(x, y) for y in range(200) for x in range(300)]
+    if scale:
+        Path("heights.pfm").write_bytes(b"Pf 300 200 -1\n" + struct.pack("<60000f", *[scale * height(x, y) for x, y in places]))
+    else:
+        samples = [round(1500 + 1000 * height(x, y)) for x, y in places]
+        Path("heights.pgm").write_bytes(b"P5 300 200 65535\n" + struct.pack(">60000H", *samples))
+    plan(hmesh, "--rate 5 --tile 150 --effort draft", "heights.pfm" if scale else "heights.pgm")
+    finish(hmesh)
+    index = json.loads(read("job/tiles/index.json"))
+    error = (1 if scale else 65535) * 10 ** (-index["psnr"] / 20)
+    assert 0.5 * error < index["border_tolerance"] < 1.6 * error
+
+
 # ---- by whatever engine ----
 def test_no_order_threads_processes_or_restarts_are_seen_in_the_files(hmesh):
     looks, shares, made, seams, index = plan(hmesh)

@@ -88,7 +88,8 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 
 std::vector<double> side_tolerances(double peak, bool is_open) {
     std::vector<double> tolerances;
-    for (int k = is_open ? -18 : 2; k < 11; ++k)  // products and powers of two alone, which all machines round alike
+    // Products and powers of two alone, which all machines round alike.
+    for (int k = is_open ? -64 : 2; is_open ? k < 64 : peak * std::exp2(-k) > 0.2; ++k)
         for (const double step : {1.0, 0.7}) tolerances.push_back(step * (peak * std::exp2(-k)));
     return tolerances;
 }

@@ -33,8 +33,8 @@ struct Shares {
     double tolerance = 0;               // of sides, stored values
 };
 
-// The tolerances of sides among which find_shares() chooses, stored values: from a quarter of the peak, or of samples that may be
-// far above it from 2^20 times that, to 0.7 of a 1024th, each 0.7 of the one before, roughly.
+// The tolerances of sides among which find_shares() chooses, stored values, each 0.7 of the one before, roughly: from a quarter
+// of the peak to a sixth of a step, or of samples that may all be far above the peak or far below from 2^64 to 2^-64 times that.
 [[nodiscard]] std::vector<double> side_tolerances(double peak, bool is_open);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
