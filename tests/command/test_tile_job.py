@@ -254,6 +254,16 @@ def test_fine_detail_that_is_meshed_well_is_foretold(hmesh):
     assert json.loads(read("job/tiles/index.json"))["psnr"] > whole["psnr"] - 0.5
 
 
+def test_slopes_are_foretold_as_what_a_mesh_shows(hmesh):
+    heights = [round(1500 + 900 * math.sin(x / 70) * math.cos(y / 90) + 60 * math.sin(x / 9 + y / 13))
+               for y in range(400) for x in range(400)]
+    Path("heights.pgm").write_bytes(b"P5 400 400 65535\n" + struct.pack(">160000H", *heights))
+    plan(hmesh, "--rate 2 --tile 400 --effort draft", "heights.pgm")
+    finish(hmesh)
+    whole = json.loads(hmesh.done("heights.pgm -o whole.ply --samples points --rate 2 --effort draft --json"))
+    assert json.loads(read("job/tiles/index.json"))["psnr"] > whole["psnr"] - 0.5
+
+
 @pytest.mark.parametrize("scale", [None, 2.0 ** -12, 1, 2.0 ** 40])
 def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, scale):
     """Heights of 16 bits that use a thirtieth of these, and floats."""

@@ -66,20 +66,41 @@ void make_like(const ImageFile& other, int width, int height, ImageFile& image) 
     with_samples(other, image, [&](const auto& /*from*/, auto& to) { to.resize(count); });
 }
 
+// The four pixels that become one, of a channel: those above and those below.
+template <class T>
+std::array<double, 4> four_of(const T* above, std::ptrdiff_t across, std::ptrdiff_t down) {
+    return {static_cast<double>(above[0]), static_cast<double>(above[across]), static_cast<double>(above[down]),
+            static_cast<double>(above[down + across])};
+}
+
 template <class T>
 double halve(const T* from, int width, int channels, int half_width, int half_height, T* to) {
-    const auto across = static_cast<std::size_t>(channels), down = static_cast<std::size_t>(width) * across;
+    const std::ptrdiff_t across = channels, down = across * width, row = across * half_width;
+    const auto each = [&](auto&& body) {
+        for (int y = 0; y < half_height; ++y)
+            for (int x = 0; x < half_width; ++x)
+                for (std::ptrdiff_t c = 0; c < across; ++c)
+                    body(x, y, four_of(from + 2 * (y * down + x * across) + c, across, down), to + y * row + x * across + c);
+    };
+    each([](int, int, const std::array<double, 4>& four, T* half) {
+        const double mean = (four[0] + four[1] + four[2] + four[3]) / 4;
+        *half = static_cast<T>(std::is_integral_v<T> ? mean + 0.5 : mean);
+    });
     double left_out = 0;
-    for (int y = 0; y < half_height; ++y)
-        for (int x = 0; x < half_width; ++x)
-            for (std::size_t c = 0; c < across; ++c) {
-                const T* const at = from + 2 * static_cast<std::size_t>(y) * down + 2 * static_cast<std::size_t>(x) * across + c;
-                const std::array<double, 4> four = {static_cast<double>(at[0]), static_cast<double>(at[across]),
-                                                    static_cast<double>(at[down]), static_cast<double>(at[down + across])};
-                const double mean = (four[0] + four[1] + four[2] + four[3]) / 4;
-                for (const double value : four) left_out += (value - mean) * (value - mean);
-                *to++ = static_cast<T>(std::is_integral_v<T> ? mean + 0.5 : mean);
-            }
+    each([&](int x, int y, const std::array<double, 4>& four, const T* half) {
+        const auto slope = [&](std::ptrdiff_t step, bool has_before, bool has_after) {  // of half a pixel of the image
+            return (static_cast<double>(half[has_after ? step : 0]) - static_cast<double>(half[has_before ? -step : 0])) / 8;
+        };
+        const double right = slope(across, x > 0, x + 1 < half_width), up = slope(row, y > 0, y + 1 < half_height);
+        const double mean = (four[0] + four[1] + four[2] + four[3]) / 4;
+        const std::array<double, 4> sloped = {mean - right - up, mean + right - up, mean - right + up, mean + right + up};
+        double of_mean = 0, of_slopes = 0;
+        for (std::size_t k = 0; k < 4; ++k) {
+            of_mean += (four[k] - mean) * (four[k] - mean);
+            of_slopes += (four[k] - sloped[k]) * (four[k] - sloped[k]);
+        }
+        left_out += std::min(of_mean, of_slopes);
+    });
     return left_out;
 }
 

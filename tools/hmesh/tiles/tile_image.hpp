@@ -39,8 +39,8 @@ class TileImage {
 using SideCounts = std::array<std::size_t, 4>;
 [[nodiscard]] std::vector<SideCounts> count_side_vertices(const ImageFile& tile, const std::vector<double>& tolerances);
 
-// The tile at half its size, each pixel the mean of four, and what that leaves out: their squared differences from it, over all
-// channels. A last column or row without a partner is left out.
+// The tile at half its size, each pixel the mean of four, and what that leaves out, over all channels: their squared differences
+// from it, or from its slopes, which a mesh shows, where those are less. A last column or row without a partner is left out.
 [[nodiscard]] double halve(const ImageFile& tile, ImageFile& half);
 
 // The stored value of full intensity.
