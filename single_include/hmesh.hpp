@@ -12288,7 +12288,7 @@ class PolylineFinder {
     }
 
     /// The fewest samples, the first and the last among them, whose polyline passes all others within a tolerance >= 0 in each
-    /// channel; chords are of longest_chord samples at most. In rising order.
+    /// channel; chords are of longest_chord samples at most. In rising order. NaN and infinities are passed, or nodes.
     [[nodiscard]] HMESH_PATCHWISE Array<std::uint32_t> nodes(double tolerance) {
         constexpr std::uint32_t unknown = std::numeric_limits<std::uint32_t>::max();
         const std::size_t count = samples_.size() / channels_;
@@ -12310,7 +12310,7 @@ class PolylineFinder {
                 for (std::size_t k = next; k < std::min(count, i + longest_chord + 1); ++k) {
                     if (chords[k] != unknown) continue;
                     if (!pass_all(i, std::exchange(passed, k), k)) break;
-                    if (!ends_at(i, k)) continue;
+                    if (k > i + 1 && !ends_at(i, k)) continue;  // the next one is reached, NaN or not
                     chords[k] = reached + 1;
                     before[k] = static_cast<std::uint32_t>(i);
                     first = std::min(first, k);

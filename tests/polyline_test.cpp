@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
@@ -57,7 +58,7 @@ std::size_t fewest_chords(const Row& row, double tolerance) {
 }  // namespace
 
 TEST_CASE("a polyline has the fewest nodes that all chords allow, and passes all samples") {
-    for (const std::size_t channels : {1, 3, 16}) {
+    for (const std::size_t channels : {std::size_t{1}, std::size_t{3}, std::size_t{16}}) {
         for (std::uint64_t seed = 1; seed <= 60; ++seed) {
             CAPTURE(channels);
             CAPTURE(seed);
@@ -82,4 +83,18 @@ TEST_CASE("a finder can be asked again, by other tolerances") {
     const Row row = walk(7, 500, 2, 1);
     hmesh::kit::PolylineFinder finder(row.samples, row.channels);
     for (const double tolerance : {2.0, 0.1, 0.7, 2.0}) CHECK(Nodes(finder.nodes(tolerance)) == row.nodes(tolerance));
+}
+
+TEST_CASE("rows with NaN and infinities have polylines from end to end") {
+    const double infinity = std::numeric_limits<double>::infinity(), nan = std::numeric_limits<double>::quiet_NaN();
+    for (const double value : {nan, infinity, -infinity})
+        for (const std::size_t from : {std::size_t{0}, std::size_t{1}, std::size_t{50}, std::size_t{99}})
+            for (const std::size_t to : {from + 1, from + 40}) {
+                Row row{std::vector<double>(100, 1.0)};
+                for (std::size_t k = from; k < std::min<std::size_t>(to, 100); ++k) row.samples[k] = value;
+                const Nodes nodes = row.nodes(0.1);
+                CHECK(nodes.front() == 0);
+                CHECK(nodes.back() == 99);
+                for (std::size_t k = 1; k < nodes.size(); ++k) CHECK(nodes[k - 1] < nodes[k]);
+            }
 }
