@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
+#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -114,6 +115,14 @@ template <int C>
 
 namespace detail {
 
+/// How many faces each vertex is a corner of.
+[[nodiscard]] HMESH_COLD inline Array<int> corner_counts(std::size_t vertex_count, const std::vector<Triangle>& faces) {
+    Array<int> counts(vertex_count, 0);
+    for (const Triangle& t : faces)
+        for (const std::uint32_t v : t) ++counts[v];
+    return counts;
+}
+
 /// The work of bound_valence().
 template <int C>
 class ValenceBound {
@@ -211,9 +220,7 @@ class ValenceBound {
 /// more edges. O(n) where there is nothing to do.
 template <int C>
 [[nodiscard]] HMESH_COLD bool bound_valence(IndexedMesh<C>& mesh, int limit) {
-    Array<int> faces(mesh.vertex_count(), 0);
-    for (const Triangle& t : mesh.faces)
-        for (const std::uint32_t v : t) ++faces[v];
+    const Array<int> faces = detail::corner_counts(mesh.vertex_count(), mesh.faces);
     // A vertex on the border has one edge more than faces.
     if (std::none_of(faces.begin(), faces.end(), [&](int count) { return count + 1 > limit; })) return true;
     HalfedgeMesh topology;
@@ -229,10 +236,8 @@ template <int C>
 /// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
 /// one that has about `limit` edges or more. False: there is none. O(n), and a byte for each pixel of the image.
 [[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
-                                                     const Array<Triangle>& faces, int width, int height, int limit) {
-    Array<int> counts(positions.size(), 0);
-    for (const Triangle& t : faces)
-        for (const std::uint32_t v : t) ++counts[v];
+                                                     const std::vector<Triangle>& faces, int width, int height, int limit) {
+    const Array<int> counts = detail::corner_counts(positions.size(), faces);
     const auto columns = static_cast<std::size_t>(width);
     Array<std::uint8_t> is_crowded(columns * static_cast<std::size_t>(height), 0);
     for (const Triangle& t : faces)

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <functional>
 #include <type_traits>
+#include <utility>
 
 #include "hmesh/methods/annealed/polyline.hpp"
 #include "readers/rectangles.hpp"
