@@ -10,6 +10,7 @@
 #include "hmesh/io/ply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
+#include "hmesh/terrain.hpp"
 #include "test_images.hpp"
 
 using hmesh::Errc;
@@ -72,6 +73,15 @@ TEST_CASE("options that are no numbers are refused") {
         recipe.steps->points = bad;
         CHECK(mesh_image(image.view(), with_vertices(40), recipe).status.code == Errc::invalid_argument);
     }
+    for (double hmesh::Bounded::*const error :
+         {&hmesh::Bounded::max_error, &hmesh::Bounded::border_error, &hmesh::Bounded::inside_error}) {
+        hmesh::Bounded bounded{1};
+        bounded.*error = bad_doubles[0];
+        CHECK(mesh_image(image.view(), {}, bounded).status.code == Errc::invalid_argument);
+    }
+    hmesh::Bounded infinite{0.1};
+    infinite.inside_error = bad_doubles[1];  // is none
+    CHECK(mesh_image(image.view(), {}, infinite).status);
 }
 
 TEST_CASE("a mesh at work refuses places and colours that are no numbers") {

@@ -10,7 +10,7 @@
 
 #include "hmesh/core/random.hpp"
 
-TEST_CASE_TEMPLATE("is_finite agrees with the standard library", T, float, double) {
+TEST_CASE_TEMPLATE("is_finite and is_nan agree with the standard library", T, float, double) {
     using Limits = std::numeric_limits<T>;
     for (const T value : {T(0), T(-1), Limits::min(), Limits::max(), Limits::lowest(), Limits::denorm_min()}) {
         CHECK(hmesh::kit::is_finite(value));
@@ -21,16 +21,18 @@ TEST_CASE_TEMPLATE("is_finite agrees with the standard library", T, float, doubl
         CHECK_FALSE(hmesh::kit::is_finite(-value));
     }
     hmesh::kit::Random random(1);
-    int wrong = 0, finite = 0;
+    int wrong = 0, wrong_nans = 0, finite = 0;
     for (int i = 0; i < 100000; ++i) {
         std::uint64_t bits = std::uint64_t{random.next()} << 32U | random.next();
         if (i % 2 == 0) bits |= 0x7FE000007F000000U;  // else few would not be finite
         T value = 0;
         std::memcpy(&value, &bits, sizeof value);
         wrong += hmesh::kit::is_finite(value) != std::isfinite(value);
+        wrong_nans += hmesh::kit::is_nan(static_cast<double>(value)) != std::isnan(value);
         finite += std::isfinite(value);
     }
     CHECK(wrong == 0);
+    CHECK(wrong_nans == 0);
     CHECK(finite > 40000);
     CHECK(finite < 90000);
 }

@@ -275,7 +275,7 @@ TEST_CASE("an image that changes while it is read breaks nothing") {
 }
 
 TEST_CASE("what is refused of a view is refused of a reader, before anything is read") {
-    const auto never = [](const Rect&, std::uint8_t*, std::ptrdiff_t) {
+    const auto never = [](const Rect&, auto*, std::ptrdiff_t) {
         FAIL("read");
         return false;
     };
@@ -298,10 +298,12 @@ TEST_CASE("what is refused of a view is refused of a reader, before anything is 
     options = {};
     options.samples = Samples::points;
     CHECK(code_of(1, 10, options) == Errc::invalid_argument);
+    CHECK(mesh_image(ImageReader<float, 1>{1, 10, never}, options).status.code == Errc::invalid_argument);
     const Image<float, 1> weights(10, 9);
     options = {};
     options.weights = weights.view();
     CHECK(code_of(10, 10, options) == Errc::invalid_argument);
+    CHECK(mesh_image(ImageReader<float, 1>{10, 10, never}, options).status.code == Errc::invalid_argument);
     Annealed recipe;
     recipe.tile = 3;
     CHECK(code_of(10, 10, {}, recipe) == Errc::invalid_argument);

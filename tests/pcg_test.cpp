@@ -206,6 +206,14 @@ TEST_CASE("rows of zeros keep their values and disturb no other row") {
     CHECK(x.row(17) == start.row(17));
     CHECK(worst_residual(dense.sparseView(), b, x) <= 1e-12);
 
+    // Nor does a right-hand side that is zero, whose solution is zero in all other rows.
+    MatrixXd z = start;
+    CHECK(solve_pcg(dense.sparseView(), MatrixXd::Zero(30, 2), z).converged);
+    CHECK(z.row(4) == start.row(4));
+    CHECK(z.row(17) == start.row(17));
+    z.row(4).setZero(), z.row(17).setZero();
+    CHECK(z.isZero(0));
+
     // Where such a row asks for the impossible, the others are solved all the same, and the report says no.
     b(4, 1) = 1;
     MatrixXd y = start;

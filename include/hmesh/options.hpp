@@ -28,7 +28,7 @@ struct Mesh;
 
 /// How the final colours of the vertices are chosen.
 enum class Colors : std::uint8_t {
-    optimal,  ///< least squares: the colours with the smallest error for the final geometry
+    optimal,  ///< least squares: the colours with the smallest error for the final geometry, as near as 20 sweeps of descent come
     sampled,  ///< the colour of the image at the position of each vertex
 };
 

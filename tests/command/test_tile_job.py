@@ -433,6 +433,7 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     job plan a.png -o job --levels 11          | --levels '11' must be from 1 to 10
     job plan a.png -o job --rate 0             | --rate '0' must be above 0
     job plan a.png -o job --border-tolerance x | --border-tolerance 'x' is not a number
+    job plan a.png -o job --border-tolerance 1e7 | --border-tolerance '1e7' must be from 0 to 1000000
     job plan a.png -o job --max-error 2        | unknown option '--max-error'
     job run job                                | no folder or no task is given
     job status                                 | no folder is given

@@ -1,9 +1,9 @@
 /// \file
-/// is_finite(), is_within(): whether a number that came from outside can be calculated with.
+/// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with.
 ///
-/// Both look at the bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
+/// All look at the bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
 /// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
-/// checked with these two, so that NaN is refused there as well.
+/// checked with these, so that NaN is refused there as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
@@ -28,6 +28,13 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
     std::uint64_t bits = 0;
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
+}
+
+/// Whether the value is NaN.
+[[nodiscard]] inline bool is_nan(const double& value) noexcept {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return (bits & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
 }
 
 namespace detail {

@@ -62,9 +62,10 @@ template <class T, int C>
     Result result;
     const int width = image.width(), height = image.height();
     kit::SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
-    if constexpr (!PixelTraits<T>::is_integer) result.status = look_at_samples(image, parallel_for, range);
-    if (result.status) result.status = kit::check_weights(options.weights, width, height, parallel_for);
+    result.status = kit::check_weights(options.weights, width, height, parallel_for);
     if (result.status && options.samples == Samples::points) result.status = check_points(width, height);
+    if constexpr (!PixelTraits<T>::is_integer)
+        if (result.status) result.status = look_at_samples(image, parallel_for, range);
     if (!result.status) return result;
 
     const double unit = kit::weight_unit(options.weights, parallel_for);

@@ -71,9 +71,9 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, Array<double
 /// Solves A X = B. A: n by n, symmetric, positive semidefinite, both triangles stored. B: n by k. X: n by k, the start on entry,
 /// the solution on return.
 ///
-/// A column of B that is 0 has the solution 0. Where the diagonal of A is not positive (a vertex without pixels), the row of X
-/// stays as it was. The entries of X that `held` names by row and column stay too; the other entries are solved for with these
-/// given, and B may hold anything there. Each iteration costs about 2 ns for each entry of A and column of B.
+/// Where the diagonal of A is not positive (a vertex without pixels), the row of X stays as it was. In all others a column of B
+/// that is 0 has the solution 0. The entries of X that `held` names by row and column stay too; the other entries are solved for
+/// with these given, and B may hold anything there. Each iteration costs about 2 ns for each entry of A and column of B.
 inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
                            const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
@@ -103,7 +103,8 @@ inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, Dense
     detail::column_dots(residual, residual, norm);
     for (std::size_t k = 0; k < width; ++k) {
         norm[k] = std::sqrt(norm[k]);
-        for (std::size_t i = 0; i < n && norm[k] == 0; ++i) solution(i, k) = direction(i, k);
+        for (std::size_t i = 0; i < n && norm[k] == 0; ++i)
+            if (inverse[i] > 0) solution(i, k) = direction(i, k);
     }
     const auto is_small = [&](std::size_t k) { return std::sqrt(rr[k]) <= options.tolerance * norm[k]; };
     const auto measure = [&] {  // r r, and r z with z = r / diagonal

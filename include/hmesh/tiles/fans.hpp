@@ -29,8 +29,8 @@ struct FanCorner {
     std::uint32_t fan;     ///< the place of the first corner of the vertex that is of the same fan
 };
 
-/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners),
-/// and the square of the corners of each vertex.
+/// Sorts corners by vertex and face, finds their fans, and calls body(begin, end) for those of each vertex. O(corners); of each
+/// vertex the square of its corners, times as many passes as its fans take, of which there is one more than corners at most.
 HMESH_COLD inline void find_fans(Array<FanCorner>& corners, FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     corners = in_order(
         corners, sorted_numbers(corners.size(), [&](std::uint32_t k) { return code_of(corners[k].vertex, corners[k].face); }));

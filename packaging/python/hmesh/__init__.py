@@ -354,6 +354,9 @@ def _plain(array: np.ndarray) -> np.ndarray:
 
 def _image(image: Any, most: int) -> np.ndarray:
     """An image as the core takes it: (h, w, c)."""
+    if np.ma.is_masked(image):
+        raise TypeError("an image has no masked samples, and this one has: weights say how much a pixel counts, and a mask which "
+                        "heights there are")
     array = np.asarray(image)
     if array.dtype.kind not in "uf" or array.dtype.itemsize != {"u": min(array.dtype.itemsize, 2), "f": 4}[array.dtype.kind]:
         raise TypeError(f"an image is an array of uint8, uint16 or float32, and this one is of {array.dtype}")
@@ -372,6 +375,8 @@ def _map(name: str, values: Any, dtype: Any, shape: tuple[int, ...]) -> Optional
     """One number for each pixel, or None."""
     if values is None:
         return None
+    if np.ma.is_masked(values):
+        raise TypeError(f"{name} must be numbers, and some are masked")
     array = np.asarray(values)
     if array.dtype.kind not in "buif":
         raise TypeError(f"{name} must be numbers, and are of {array.dtype}")
@@ -558,7 +563,7 @@ def mesh_terrain(
         max_error=_real("max_error", max_error),
         effort=_number_of("effort", _TERRAIN_EFFORTS, effort),
         free_borders=bool(free_borders),
-        mask=None if mask is None else _map("mask", np.asarray(mask) != 0, np.uint8, array.shape),
+        mask=None if mask is None else _map("mask", np.ma.asarray(mask) != 0, np.uint8, array.shape),
         nan_is_no_data=bool(nan_is_no_data),
         samples=_number_of("samples", _GRIDS, samples),
         progress=_listener(progress),
@@ -610,12 +615,14 @@ def read(source: Union[str, os.PathLike[str], BinaryIO, bytes], *, max_vertices:
 def psnr(mesh: Mesh, image: Any) -> float:
     """dB: 10 log10(peak^2 / MSE) of the mesh drawn at its own size, neither rounded nor clamped, against the image's stored
     values, the MSE being the mean over pixels and channels; infinity for no error. Where the mesh is premultiplied, so is the
-    image first."""
+    image first. Samples that are not finite raise ValueError."""
     array = _image(image, 16)
     if array.shape != (mesh.height, mesh.width, mesh.channels):
         raise ValueError(f"the image is of shape {array.shape}, and the mesh is of one of "
                          f"{(mesh.height, mesh.width, mesh.channels)}")
     wanted = array.astype(np.float64)
+    if not np.isfinite(wanted).all():
+        raise ValueError("the image has samples that are not finite")
     if mesh.premultiplied and mesh.channels in (2, 4):
         wanted[:, :, -1] = np.clip(wanted[:, :, -1], 0, mesh.peak)
         wanted[:, :, :-1] *= wanted[:, :, -1:] / mesh.peak

@@ -219,6 +219,7 @@ def test_refused_options_have_a_sentence(options, sentence):
         (None, TypeError),
         (np.full((9, 9), np.nan, np.float32), ValueError),
         (np.full((9, 9), np.inf, np.float32), ValueError),
+        (np.ma.masked_equal(picture(9, 9), picture(9, 9)[3, 3, 0]), TypeError),
         (np.lib.stride_tricks.as_strided(np.zeros(1, np.uint8), (1, 1 << 20), (1, 0)), ValueError),  # too wide, and one byte
     ],
 )
@@ -519,6 +520,28 @@ def test_psnr_of_premultiplied_meshes_is_of_the_premultiplied_image():
     image = picture(channels=4)
     mesh = hmesh.mesh_image(image, vertices=200, premultiplied=True)
     assert hmesh.psnr(mesh, image) == pytest.approx(mesh.report.psnr, abs=1e-3)
+
+
+def test_psnr_of_what_is_not_finite_is_refused():
+    image = picture(dtype=np.float32)
+    mesh = hmesh.mesh_image(image, vertices=50)
+    for bad in (np.inf, -np.inf, np.nan):
+        image[3, 4, 1] = bad
+        with pytest.raises(ValueError, match="not finite"):
+            hmesh.psnr(mesh, image)
+
+
+def test_masks_of_arrays_are_refused_where_they_mask_anything():
+    image = picture(30, 20)
+    mask = np.zeros((20, 30), bool)
+    assert same(hmesh.mesh_image(np.ma.array(image), vertices=50), hmesh.mesh_image(image, vertices=50))
+    mask[2, 3] = True
+    with pytest.raises(TypeError, match="weights must be numbers, and some are masked"):
+        hmesh.mesh_image(image, weights=np.ma.array(np.ones((20, 30)), mask=mask))
+    with pytest.raises(TypeError, match="mask must be numbers, and some are masked"):
+        hmesh.mesh_terrain(image[:, :, 0], max_error=2, mask=np.ma.array(np.ones((20, 30)), mask=mask))
+    with pytest.raises(TypeError, match="no masked samples"):
+        hmesh.mesh_terrain(np.ma.array(image[:, :, 0], mask=mask), max_error=2)
 
 
 def test_options_of_a_wrong_type_have_a_sentence():

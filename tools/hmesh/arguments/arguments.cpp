@@ -27,6 +27,8 @@ namespace {
 
 // --- options ---
 
+constexpr int most_border_tolerance = 1000000;  // in stored values, of meshes and of jobs
+
 std::string set_png(const std::string& text, std::string& file) {
     file = text;
     return is_standard(text) || has_ending(text, ".png") ? "" : "must end in .png";
@@ -195,7 +197,9 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
     add(app, "--border-tolerance", "X",
         "with --samples points, make each side of the mesh of its row of samples alone, which it\n"
         "passes within X, in stored values: tiles that share a row then share its vertices",
-        [&](const std::string& text) { return parse_at_least_0(text, 1000000, meshing.border_tolerance.emplace()); });
+        [&](const std::string& text) {
+            return parse_at_least_0(text, most_border_tolerance, meshing.border_tolerance.emplace());
+        });
     add(app, "--weights", "FILE",
         "an image of the same size: how much each pixel counts, black nothing, white fully\n"
         "(of colours the mean, without alpha)",
@@ -716,7 +720,9 @@ void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inp
     add(app, "--border-tolerance", "X",
         "sides of tiles pass their samples within X, in stored values (default: by the mean error that\n"
         "the looks at the tiles foretell)",
-        [&](const std::string& text) { return parse_at_least_0(text, 65535, out.tiles.border_tolerance.emplace()); });
+        [&](const std::string& text) {
+            return parse_at_least_0(text, most_border_tolerance, out.tiles.border_tolerance.emplace());
+        });
     add(app, "--seed", "N", "of the random numbers (default: 1)",
         [&](const std::string& text) { return parse_seed(text, out.tiles.seed); });
 }

@@ -46,9 +46,9 @@ struct Bounded {
 [[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
     if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
-    if (!(recipe.border_error >= 0))
+    if (kit::is_nan(recipe.border_error) || recipe.border_error < 0)
         return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
-    if (!(recipe.inside_error >= 0))
+    if (kit::is_nan(recipe.inside_error) || recipe.inside_error < 0)
         return {Errc::invalid_argument, "inside_error must be at least 0, in stored values", recipe.inside_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
