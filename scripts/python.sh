@@ -12,7 +12,7 @@ case ${1-} in
     "") is_test=false ;;
     *) fail "usage: scripts/python.sh [--test]" ;;
 esac
-need compiler eigen python-package
+need compiler python-package
 python=$(python_with pybind11 numpy setuptools wheel)
 export HMESH_JOBS=${HMESH_JOBS:-$jobs}
 folder=$PWD/build/python

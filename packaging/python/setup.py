@@ -3,7 +3,6 @@
 HMESH_PYTHON_CHANNELS: the most channels that images may have, 1 to 16; fewer take less time to compile
 HMESH_PYTHON_FLAGS: further flags of the compiler
 HMESH_JOBS: how many compilers may run at once; by default as many as there are cores
-HMESH_EIGEN: the folder of Eigen's headers, where it is none of the usual
 """
 
 import os
@@ -54,14 +53,12 @@ class SourceDistribution(sdist):
             shutil.copy(pool / "thread_pool.hpp", to)
 
 
-eigen = [os.environ["HMESH_EIGEN"]] if "HMESH_EIGEN" in os.environ else ["/usr/include/eigen3", "/usr/local/include/eigen3",
-                                                                         "/opt/homebrew/include/eigen3"]
 is_msvc = os.name == "nt"
 flags = ["/O2", "/bigobj"] if is_msvc else ["-O3", "-g0", "-fvisibility=hidden", "-ffp-contract=off", "-pthread"]
 extension = Pybind11Extension(
     "hmesh._core",
     sources(),
-    include_dirs=["source", str(headers), str(pool), *eigen],
+    include_dirs=["source", str(headers), str(pool)],
     define_macros=[("HMESH_PYTHON_MAX_CHANNELS", str(channels)), ("NDEBUG", "1")],
     extra_compile_args=flags + os.environ.get("HMESH_PYTHON_FLAGS", "").split(),
     extra_link_args=[] if is_msvc else ["-pthread"],

@@ -2,7 +2,7 @@
 # A project takes hmesh in, in one of the ways in which projects do, is built and run.
 #
 # usage: tests/package/consumers.sh WAY SOURCE BUILD VERSION
-#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header or wrong_eigen; compiled, which is a
+#        WAY: find_package, add_subdirectory, fetch_content, pkg_config, single_header, no_eigen or wrong_eigen; compiled, which is a
 #        program of two files, one of which compiles mesh_image() for the other, and compiled_single, the same with the single
 #        header; install_dirs, which is to install into folders of other names; readme, which is to install as README.md says; or
 #        flat_stb, which is to build an example with stb's headers in no folder of theirs
@@ -110,7 +110,7 @@ case $way in
         rm -rf "$work/build"
         (PATH="$work/host:$PATH" && accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DCMAKE_SYSTEM_NAME=$(uname -s)" \
             "-DWANTED_COMMAND=$work/host/hmesh")
-        refuses "hmesh has no components, and gpu is asked for" -DWANTED_COMPONENTS=gpu
+        refuses "hmesh has one component, paper, and gpu is asked for" -DWANTED_COMPONENTS=gpu
         refuses "$version" "-DWANTED=$((${version%%.*} + 1)).0"
         ;;
     readme)
@@ -133,12 +133,25 @@ case $way in
         ;;
     wrong_eigen)
         install
-        refuses "hmesh needs Eigen 3.4 or newer: install libeigen3-dev" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON
+        refuses "hmesh/paper.hpp needs Eigen 3.4 or newer: install libeigen3-dev" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON \
+            -DWANTED_COMPONENTS=paper
         fake_eigen 3.3.9
-        refuses "hmesh needs Eigen 3.4 or newer" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake"
+        refuses "hmesh/paper.hpp needs Eigen 3.4 or newer, and $work/eigen-3.3.9" "-DEigen3_DIR=$work/eigen-3.3.9/share/eigen3/cmake" \
+            -DWANTED_COMPONENTS=paper
         fake_eigen 5.0.1
         rm -rf "$work/build"
-        accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake"
+        accepts "-DCMAKE_PREFIX_PATH=$work/prefix" "-DEigen3_DIR=$work/eigen-5.0.1/share/eigen3/cmake" -DWANTED_COMPONENTS=paper
+        ;;
+    no_eigen)
+        "$cmake" -S "$source" -B "$work/hmesh" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DHMESH_BUILD_TESTS=OFF -DHMESH_BUILD_EXAMPLES=OFF
+        "$cmake" --install "$work/hmesh" --prefix "$work/prefix"
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON -DWANTED_PAPER=OFF
+        # Installed without Eigen, used with it.
+        rm -rf "$work/build"
+        with_cmake find_package "-DCMAKE_PREFIX_PATH=$work/prefix" -DWANTED_COMPONENTS=paper
+        ! "$cmake" -S "$source" -B "$work/tests" -DCMAKE_DISABLE_FIND_PACKAGE_Eigen3=ON >"$work/log" 2>&1 || fail "tests were prepared"
+        tr -s ' \n' ' ' <"$work/log" | grep -qF "tests and benchmarks of hmesh need Eigen 3.4 or newer: install libeigen3-dev" ||
+            fail "tests without Eigen are refused by other words: $(cat "$work/log")"
         ;;
     add_subdirectory)
         with_cmake "$way" "-DHMESH_SOURCE_DIR=$source"
@@ -176,7 +189,9 @@ case $way in
         export PKG_CONFIG_PATH="$work/prefix/share/pkgconfig"
         [ "$(pkg-config --modversion hmesh)" = "$version" ] || fail "pkg-config says version $(pkg-config --modversion hmesh)"
         # shellcheck disable=SC2046  # words
-        with_compiler $(pkg-config --cflags --libs hmesh)
+        with_compiler $(pkg-config --cflags --libs hmesh eigen3)
+        # shellcheck disable=SC2046  # words
+        with_compiler -DWITHOUT_PAPER $(pkg-config --cflags --libs hmesh)
         ;;
     compiled)
         compiled "$source/include"
