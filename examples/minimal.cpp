@@ -13,18 +13,19 @@ int main(int argc, char** argv) {
         std::fprintf(stderr, "usage: minimal IMAGE MESH.ply\n");
         return 2;
     }
-    // README begin
-
     int width = 0, height = 0;
     unsigned char* pixels = stbi_load(argv[1], &width, &height, nullptr, 3);
     if (pixels == nullptr) {
         std::fprintf(stderr, "%s: %s\n", argv[1], stbi_failure_reason());
         return 1;
     }
-    const hmesh::ImageView<std::uint8_t, 3> image{pixels, width, height};
+    // README begin
 
+    const hmesh::ImageView<std::uint8_t, 3> image{pixels, width, height};
     const hmesh::Result result = hmesh::mesh_image(image);  // one vertex for 100 pixels
+    // README end
     stbi_image_free(pixels);
+    // README begin
     if (!result.has_mesh()) {
         std::fprintf(stderr, "%s: %s\n", argv[1], hmesh::message(result.status).c_str());
         return 1;

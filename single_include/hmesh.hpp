@@ -6853,9 +6853,9 @@ struct Options {
 /// std::size_t n) const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr
 /// bool can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
 /// periodic(); without it such images are refused. run() may tell mesh.progress() by plan() how long its stages take. A
-/// tile_size() of the image's longer side means one
-/// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
-/// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
+/// tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks, premultiplication, weights, the
+/// search for a PSNR, final colours, the report. Recipes are made of the building blocks in hmesh::kit, which are public,
+/// documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 
@@ -6920,7 +6920,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 
 namespace hmesh {
 
-/// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
+/// How much work goes into a mesh. Counted in steps, never in seconds: an effort is the same work on every machine.
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.1 to 3.6 dB above draft
@@ -7113,10 +7113,11 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
-    /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
-    /// average, tiles are made larger, up to the image. By default, up to 4194304 pixels, tiles of an image that does not repeat
-    /// are as many, but the smaller the more vertices there are, where these are annealed.
+    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 400 vertices on average,
+    /// or 640 where nothing is annealed, within 128 to 256 px, and 256 px beyond 4194304 pixels. Where a tile would hold less
+    /// than 256 vertices on average, tiles are made larger, up to the image. Tiles of the default that are annealed, of an
+    /// image of up to 4194304 pixels that does not repeat, are as many as that, but not of one size: where there are more
+    /// vertices they are smaller, so that each holds about as many.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -7203,7 +7204,8 @@ struct Annealed {
                                   static_cast<double>(n), start != nullptr)
             .sum();
     }
-    /// What drafts and sketches foretell. Drafts at normal: 0.28 to 0.74 of 32 photographs and PSNRs of 28 to 40 dB.
+    /// What drafts and sketches foretell. A run at normal took 0.28 to 0.74 of the vertices that drafts took for the PSNRs, 28 to
+    /// 40 dB, of 32 photographs.
     [[nodiscard]] kit::Trials trials() const noexcept {
         switch (effort) {
             case Effort::draft: return {1, 0};
@@ -7314,12 +7316,12 @@ namespace hmesh {
 /// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
 /// own; std::bad_alloc passes through.
 ///
-/// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and 0.6 KB for each vertex placed in the tiles at
-/// work; up to 4194304 px these stay, and it is 1.5 to 2.5 KB a vertex. Moment tables take 16 bytes a pixel for 8-bit RGB, 92
-/// with weights: images of up to 4194304 px, and larger ones whose table takes 256 MiB at most, as that of 2^24 px of 8-bit RGB
-/// does, are one table; of others, and of periodic ones, each tile at work has its own. With recipes other than Annealed any
-/// image is one tile. Stack on each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run
-/// the same instructions, so that they round alike.
+/// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and 0.6 KB for each vertex placed in the tiles
+/// at work. Of an image of up to 4194304 px all tiles are kept from phase to phase: 1.5 to 2.5 KB a vertex in all. Moment
+/// tables take 16 bytes a pixel for 8-bit RGB, 92 with weights: images of up to 4194304 px, and larger ones whose table takes
+/// 256 MiB at most, as that of 2^24 px of 8-bit RGB does, are one table; of others, and of periodic ones, each tile at work has
+/// its own. With recipes other than Annealed any image is one tile. Stack on each thread that works: 0.2 MB for up to 4
+/// channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options = {},
                                                    const Recipe& recipe = {}, const ParallelFor& parallel_for = {});
@@ -14191,8 +14193,9 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// First points: where the vertices of the first mesh stand, many where the image bends and few where it is flat.
 ///
 /// A piecewise linear picture errs with the second derivatives: the density of points follows their magnitude, plus a tenth of
-/// its mean, so that no part is without points. (The power 3 / 4 of it is nearer to what theory asks of smooth pictures, and a
-/// draft of photographs loses 0.2 to 0.3 dB by it, a mesh of effort normal 0.01 to 0.02.)
+/// its mean, so that no part is without points. (Least squares of a smooth picture ask for its power 2 / 3: a face of density r
+/// errs by the magnitude over r, and the sum of squares is least where r^3 follows the magnitude's square. By the power 3 / 4,
+/// which is nearer, a draft of photographs loses 0.2 to 0.3 dB, a mesh of effort normal 0.01 to 0.02.)
 ///
 /// A pixel becomes a point if its value in a mask, evenly distributed in [0, 1), is below its density times a factor: each pixel
 /// decides by itself, which error diffusion does not allow, and any tiles and threads choose the same points. The mask is the R2

@@ -4231,8 +4231,8 @@ template <class T, int C>
 /// least error found, as the image is drawn from the file. Of the bytes all but 2 % are used, unless fewer give a PSNR of 55 dB,
 /// all pixels are vertices, or four vertices have less error than as many as are paid for, as of noise. Same bytes for any
 /// executor. Takes a run of mesh_image() and a draft, or seven runs where the bytes are so few that several meshes are tried, and
-/// nearly as long again on the lattice: 0.4 s for 300 bytes of a
-/// photograph with Effort::normal, 0.5 s for 3,000; 1.0 s and 1.4 s with Effort::fine, which is 0.02 to 0.2 dB better.
+/// nearly as long again on the lattice: 0.4 s for 300 bytes of a photograph with Effort::normal, 0.5 s for 3,000; 1.0 s and 1.4 s
+/// with Effort::fine, which is 0.02 to 0.2 dB better.
 ///
 /// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
 /// \param options       how many bytes, and which profile

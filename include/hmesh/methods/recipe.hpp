@@ -19,9 +19,9 @@
 /// std::size_t n) const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr
 /// bool can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
 /// periodic(); without it such images are refused. run() may tell mesh.progress() by plan() how long its stages take. A
-/// tile_size() of the image's longer side means one
-/// piece. mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report.
-/// Recipes are made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
+/// tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks, premultiplication, weights, the
+/// search for a PSNR, final colours, the report. Recipes are made of the building blocks in hmesh::kit, which are public,
+/// documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 

@@ -2,8 +2,9 @@
 /// First points: where the vertices of the first mesh stand, many where the image bends and few where it is flat.
 ///
 /// A piecewise linear picture errs with the second derivatives: the density of points follows their magnitude, plus a tenth of
-/// its mean, so that no part is without points. (The power 3 / 4 of it is nearer to what theory asks of smooth pictures, and a
-/// draft of photographs loses 0.2 to 0.3 dB by it, a mesh of effort normal 0.01 to 0.02.)
+/// its mean, so that no part is without points. (Least squares of a smooth picture ask for its power 2 / 3: a face of density r
+/// errs by the magnitude over r, and the sum of squares is least where r^3 follows the magnitude's square. By the power 3 / 4,
+/// which is nearer, a draft of photographs loses 0.2 to 0.3 dB, a mesh of effort normal 0.01 to 0.02.)
 ///
 /// A pixel becomes a point if its value in a mask, evenly distributed in [0, 1), is below its density times a factor: each pixel
 /// decides by itself, which error diffusion does not allow, and any tiles and threads choose the same points. The mask is the R2

@@ -24,7 +24,7 @@
 
 namespace hmesh {
 
-/// How much work goes into a mesh. Counted in steps, never in seconds, so that an effort gives the same mesh on every machine.
+/// How much work goes into a mesh. Counted in steps, never in seconds: an effort is the same work on every machine.
 enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.1 to 3.6 dB above draft
@@ -217,10 +217,11 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is 128 to 256 px, as many as hold 400 vertices on average,
-    /// or 640 where nothing is annealed, and 256 px beyond 4194304 pixels. Where a tile would hold less than 256 vertices on
-    /// average, tiles are made larger, up to the image. By default, up to 4194304 pixels, tiles of an image that does not repeat
-    /// are as many, but the smaller the more vertices there are, where these are annealed.
+    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 400 vertices on average,
+    /// or 640 where nothing is annealed, within 128 to 256 px, and 256 px beyond 4194304 pixels. Where a tile would hold less
+    /// than 256 vertices on average, tiles are made larger, up to the image. Tiles of the default that are annealed, of an
+    /// image of up to 4194304 pixels that does not repeat, are as many as that, but not of one size: where there are more
+    /// vertices they are smaller, so that each holds about as many.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -307,7 +308,8 @@ struct Annealed {
                                   static_cast<double>(n), start != nullptr)
             .sum();
     }
-    /// What drafts and sketches foretell. Drafts at normal: 0.28 to 0.74 of 32 photographs and PSNRs of 28 to 40 dB.
+    /// What drafts and sketches foretell. A run at normal took 0.28 to 0.74 of the vertices that drafts took for the PSNRs, 28 to
+    /// 40 dB, of 32 photographs.
     [[nodiscard]] kit::Trials trials() const noexcept {
         switch (effort) {
             case Effort::draft: return {1, 0};
