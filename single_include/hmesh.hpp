@@ -6229,6 +6229,216 @@ struct Relaxation {
 
 #endif  // HMESH_EDIT_TOLERANCE_HPP
 
+// ---- hmesh/methods/annealed/steps.hpp
+
+/// \file
+/// The efforts of Annealed, and the steps that each stands for.
+#ifndef HMESH_METHODS_ANNEALED_STEPS_HPP
+#define HMESH_METHODS_ANNEALED_STEPS_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh {
+
+/// How much work goes into a mesh. Counted in steps, never in seconds: an effort is the same work on every machine.
+enum class Effort : std::uint8_t {
+    draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
+    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.1 to 3.6 dB above draft
+    normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.3 to 1.2 dB above fast
+    fine,    ///< the same with 50 sweeps: 0.1 to 0.5 dB above normal in four to five times its time
+    best,    ///< the same with 1000 sweeps
+};
+
+namespace kit {
+
+/// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
+/// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
+struct AnnealingOptions {
+    int sweeps = 6;              ///< in [0, 1e6]; 0: no annealing
+    double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
+    double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
+    double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
+    double jump = 0;             ///< probability, in a sweep, that a free vertex is displaced at random
+    double jump_reach = 0.3;     ///< largest displacement, in mean lengths of the vertex's edges, in [0, 1]
+    /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
+    double removal_screen = 3;
+    /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
+    double insertion_screen = 0.28;
+    /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
+    double flip_screen = 3;
+    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 0.9 the mesh grows to 1.4 times the target, which
+    /// lets the sweeps after it choose among more vertices; at 2 it stays about as it is.
+    double start_price = 0.9;
+    /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
+    /// linearly to 0.
+    double count_tolerance = 0.5;
+};
+
+/// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
+struct AnnealedSteps {
+    double points = 3;      ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
+    int settle_rounds = 1;  ///< of visits and flips over the first mesh, in [0, 1000]
+    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
+    /// wait, since the collapse changes the surroundings anyway.
+    double settle_flip_gain = 3e-2;
+    Tolerance settle{1e-1, 2e-2};    ///< of the visits in the first mesh
+    double collapse_batch = 0.25;    ///< vertices removed at a time, as a share of those present, in [0.001, 1]
+    Relaxation relaxation{1, 1e-2};  ///< around each removal; rounds in [0, 100]
+    AnnealingOptions annealing;      ///< the annealing after the collapse
+    int polish_rounds = 2;           ///< flips and a sweep at the end, in [0, 1000]
+    /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
+    Tolerance polish{1e-3, 5e-3};
+};
+
+/// The steps of an effort.
+[[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
+    AnnealedSteps steps;
+    switch (effort) {
+        case Effort::draft:
+            steps.points = 1.65;
+            steps.settle_rounds = 2;
+            steps.collapse_batch = 0.5;
+            steps.relaxation.min_gain = 3e-2;
+            steps.annealing.sweeps = 0;
+            break;
+        case Effort::fast:
+            steps.points = 1.4;
+            steps.settle_rounds = 2;
+            steps.collapse_batch = 0.5;
+            steps.annealing.sweeps = 2;
+            steps.annealing.start_price = 1;
+            steps.annealing.insertion_screen = 0.3;
+            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
+            break;
+        case Effort::normal: break;
+        case Effort::fine:
+            steps.annealing.sweeps = 50;
+            steps.annealing.insertion_screen = 0.25;
+            steps.annealing.jump = 0.1;
+            break;
+        case Effort::best:
+            steps.annealing.sweeps = 1000;
+            steps.annealing.cooling = 2;
+            steps.annealing.try_probability = 0.3;
+            steps.annealing.jump = 0.3;
+            steps.annealing.insertion_screen = 0.2;
+            steps.annealing.flip_screen = 1;
+            break;
+    }
+    return steps;
+}
+
+/// Whether all steps are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
+[[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
+    const AnnealingOptions& annealing = steps.annealing;
+    const Tolerance &settle = steps.settle, &polish = steps.polish;
+    return check_ranges({
+        {"annealed points must be in [1, 100]", steps.points, 1, 100},
+        {"annealed settle_rounds must be in [0, 1000]", static_cast<double>(steps.settle_rounds), 0, 1000},
+        {"annealed settle_flip_gain must be in [0, 1e6]", steps.settle_flip_gain, 0, 1e6},
+        {"annealed settle.propagate_above must be in [0, 1e6]", settle.propagate_above, 0, 1e6},
+        {"annealed settle.min_gain must be in [0, 1e6]", settle.min_gain, 0, 1e6},
+        {"annealed collapse_batch must be in [0.001, 1]", steps.collapse_batch, 1e-3, 1},
+        {"annealed polish_rounds must be in [0, 1000]", static_cast<double>(steps.polish_rounds), 0, 1000},
+        {"annealed relaxation.rounds must be in [0, 100]", static_cast<double>(steps.relaxation.rounds), 0, 100},
+        {"annealed relaxation.min_gain must be in [0, 1e6]", steps.relaxation.min_gain, 0, 1e6},
+        {"annealed polish.propagate_above must be in [0, 1e6]", polish.propagate_above, 0, 1e6},
+        {"annealed polish.min_gain must be in [0, 1e6]", polish.min_gain, 0, 1e6},
+        {"annealed annealing.sweeps must be in [0, 1e6]", static_cast<double>(annealing.sweeps), 0, 1e6},
+        {"annealed annealing.temperature must be in [0, 1000]", annealing.temperature, 0, 1e3},
+        {"annealed annealing.cooling must be in [0, 100]", annealing.cooling, 0, 100},
+        {"annealed annealing.try_probability must be in [0, 1]", annealing.try_probability, 0, 1},
+        {"annealed annealing.jump must be in [0, 1]", annealing.jump, 0, 1},
+        {"annealed annealing.jump_reach must be in [0, 1]", annealing.jump_reach, 0, 1},
+        {"annealed annealing.start_price must be in [1e-6, 1e6]", annealing.start_price, 1e-6, 1e6},
+        {"annealed annealing.removal_screen must be in [0, 1e6]", annealing.removal_screen, 0, 1e6},
+        {"annealed annealing.insertion_screen must be in [0, 1e6]", annealing.insertion_screen, 0, 1e6},
+        {"annealed annealing.flip_screen must be in [0, 1e6]", annealing.flip_screen, 0, 1e6},
+        {"annealed annealing.count_tolerance must be in [0, 1]", annealing.count_tolerance, 0, 1},
+    });
+}
+
+/// The steps of a level of detail of n vertices that is made of the one before, of twice as many. Of the sweeps about half are
+/// left, of few ones less, since most of what they find the level before has found. Up to 1024 vertices, where few sweeps try too
+/// little, there are more: they cost next to nothing.
+[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, std::size_t n) noexcept {
+    AnnealingOptions& annealing = steps.annealing;
+    if (annealing.sweeps == 0) {  // as draft has it
+        steps.relaxation.rounds = 0;
+        steps.collapse_batch = 0.25;
+        steps.polish_rounds = 1;
+        return steps;
+    }
+    steps.collapse_batch = std::min(steps.collapse_batch, 0.18);
+    annealing.sweeps = static_cast<int>(12LL * annealing.sweeps / 25);
+    if (annealing.sweeps > 0) annealing.sweeps += n > 1024 ? 0 : n > 512 ? 1 : n > 256 ? 2 : 3;
+    annealing.start_price = 0.85;
+    const bool are_few = annealing.sweeps < 8;
+    annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
+    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
+    return steps;
+}
+
+}  // namespace kit
+}  // namespace hmesh
+
+#endif  // HMESH_METHODS_ANNEALED_STEPS_HPP
+
+// ---- hmesh/methods/annealed/work.hpp
+
+/// \file
+/// How long the stages of Annealed take: for the progress of runs and of searches, never for what is done.
+#ifndef HMESH_METHODS_ANNEALED_WORK_HPP
+#define HMESH_METHODS_ANNEALED_WORK_HPP
+
+namespace hmesh::kit {
+
+/// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
+/// two photographs at 1 to 4 %; the larger stages are within a third.
+struct AnnealedWork {
+    double start = 0;     ///< points, or what a mesh to start from takes
+    double settle = 0;    ///< 0: no such stage
+    double collapse = 0;  ///< 0: no such stage
+    double anneal = 0;    ///< 0: no such stage
+    double polish = 0;    ///< at the end
+    double colors = 0;    ///< the final ones
+
+    /// Of all stages.
+    [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
+};
+
+/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
+[[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
+                                                           bool has_start) noexcept {
+    AnnealedWork work;
+    const double points = steps.points * n;
+    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
+    if (!has_start) {
+        work.settle = 0.9 * points * steps.settle_rounds;
+        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
+    }
+    if (steps.annealing.sweeps > 0)
+        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
+    work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
+    work.colors = 0.001 * pixels + 1.2 * n;
+    return work;
+}
+
+/// The work of a level of detail of n vertices, made of one of `from` with coarser_steps().
+[[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
+                                                          double n) noexcept {
+    AnnealedWork work = annealed_work(steps, pixels, n, true);
+    work.start = 0;
+    work.collapse = 16 * (from - n);
+    return work;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_METHODS_ANNEALED_WORK_HPP
+
 // ---- hmesh/core/psnr.hpp
 
 /// \file
@@ -6905,7 +7115,7 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 // ---- hmesh/methods/annealed/options.hpp
 
 /// \file
-/// Annealed: the recipe of best fidelity, which is the default; its options and the meaning of its efforts.
+/// Annealed: the recipe of best fidelity, which is the default, and its options.
 ///
 /// The method itself is in methods/annealed/annealed.hpp. This header does not include it, so that a program may name the recipe
 /// and leave its compilation to another file.
@@ -6920,187 +7130,10 @@ inline constexpr bool is_recipe<Recipe, std::enable_if_t<std::is_same_v<std::rem
 
 namespace hmesh {
 
-/// How much work goes into a mesh. Counted in steps, never in seconds: an effort is the same work on every machine.
-enum class Effort : std::uint8_t {
-    draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
-    fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 1.1 to 3.6 dB above draft
-    normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.3 to 1.2 dB above fast
-    fine,    ///< the same with 50 sweeps: 0.1 to 0.5 dB above normal in four to five times its time
-    best,    ///< the same with 1000 sweeps
-};
-
 namespace kit {
-
-/// Options of the annealing (methods/annealed/annealing.hpp). mu is the price of a vertex and T the temperature, both energies.
-/// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
-struct AnnealingOptions {
-    int sweeps = 6;              ///< in [0, 1e6]; 0: no annealing
-    double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
-    double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
-    double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
-    double jump = 0;             ///< probability, in a sweep, that a free vertex is displaced at random
-    double jump_reach = 0.3;     ///< largest displacement, in mean lengths of the vertex's edges, in [0, 1]
-    /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
-    double removal_screen = 3;
-    /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
-    double insertion_screen = 0.28;
-    /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
-    double flip_screen = 3;
-    /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 0.9 the mesh grows to 1.4 times the target, which
-    /// lets the sweeps after it choose among more vertices; at 2 it stays about as it is.
-    double start_price = 0.9;
-    /// How far the number of vertices may leave the target in the first sweep, as a share of the target, in [0, 1]; falls
-    /// linearly to 0.
-    double count_tolerance = 0.5;
-};
-
-/// The steps of the recipe Annealed in their order; the defaults are those of Effort::normal.
-struct AnnealedSteps {
-    double points = 3;             ///< o: vertices of the first mesh, in units of the target, in [1, 100]; 1: no collapse
-    int settle_rounds = 1;         ///< of visits and flips over the first mesh, in [0, 1000]
-    double collapse_batch = 0.25;  ///< vertices removed at a time, as a share of those present, in [0.001, 1]
-    int polish_rounds = 2;         ///< flips and a sweep at the end, in [0, 1000]
-    /// Flips in the first mesh that gain up to this are not made; in mean energies of a vertex, in [0, 1e6]. Small gains can
-    /// wait, since the collapse changes the surroundings anyway.
-    double settle_flip_gain = 3e-2;
-    Tolerance settle{1e-1, 2e-2};  ///< of the visits in the first mesh
-    /// Thresholds of the sweeps at the end; flips at the end gain more than polish.propagate_above.
-    Tolerance polish{1e-3, 5e-3};
-    Relaxation relaxation{1, 1e-2};  ///< around each removal; rounds in [0, 100]
-    AnnealingOptions annealing;      ///< the annealing after the collapse
-};
-
-/// The steps of an effort.
-[[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
-    AnnealedSteps steps;
-    switch (effort) {
-        case Effort::draft:
-            steps.points = 1.65;
-            steps.settle_rounds = 2;
-            steps.collapse_batch = 0.5;
-            steps.relaxation.min_gain = 3e-2;
-            steps.annealing.sweeps = 0;
-            break;
-        case Effort::fast:
-            steps.points = 1.4;
-            steps.settle_rounds = 2;
-            steps.collapse_batch = 0.5;
-            steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1;
-            steps.annealing.insertion_screen = 0.3;
-            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
-            break;
-        case Effort::normal: break;
-        case Effort::fine:
-            steps.annealing.sweeps = 50;
-            steps.annealing.insertion_screen = 0.25;
-            steps.annealing.jump = 0.1;
-            break;
-        case Effort::best:
-            steps.annealing.sweeps = 1000;
-            steps.annealing.cooling = 2;
-            steps.annealing.try_probability = 0.3;
-            steps.annealing.jump = 0.3;
-            steps.annealing.insertion_screen = 0.2;
-            steps.annealing.flip_screen = 1;
-            break;
-    }
-    return steps;
-}
-
-/// Whether all steps are in range: Errc::invalid_argument for the first that is not, with its name, value and bound.
-[[nodiscard]] HMESH_COLD inline Status check(const AnnealedSteps& steps) noexcept {
-    const AnnealingOptions& annealing = steps.annealing;
-    const Tolerance &settle = steps.settle, &polish = steps.polish;
-    return check_ranges({
-        {"annealed points must be in [1, 100]", steps.points, 1, 100},
-        {"annealed settle_rounds must be in [0, 1000]", static_cast<double>(steps.settle_rounds), 0, 1000},
-        {"annealed settle_flip_gain must be in [0, 1e6]", steps.settle_flip_gain, 0, 1e6},
-        {"annealed settle.propagate_above must be in [0, 1e6]", settle.propagate_above, 0, 1e6},
-        {"annealed settle.min_gain must be in [0, 1e6]", settle.min_gain, 0, 1e6},
-        {"annealed collapse_batch must be in [0.001, 1]", steps.collapse_batch, 1e-3, 1},
-        {"annealed polish_rounds must be in [0, 1000]", static_cast<double>(steps.polish_rounds), 0, 1000},
-        {"annealed relaxation.rounds must be in [0, 100]", static_cast<double>(steps.relaxation.rounds), 0, 100},
-        {"annealed relaxation.min_gain must be in [0, 1e6]", steps.relaxation.min_gain, 0, 1e6},
-        {"annealed polish.propagate_above must be in [0, 1e6]", polish.propagate_above, 0, 1e6},
-        {"annealed polish.min_gain must be in [0, 1e6]", polish.min_gain, 0, 1e6},
-        {"annealed annealing.sweeps must be in [0, 1e6]", static_cast<double>(annealing.sweeps), 0, 1e6},
-        {"annealed annealing.temperature must be in [0, 1000]", annealing.temperature, 0, 1e3},
-        {"annealed annealing.cooling must be in [0, 100]", annealing.cooling, 0, 100},
-        {"annealed annealing.try_probability must be in [0, 1]", annealing.try_probability, 0, 1},
-        {"annealed annealing.jump must be in [0, 1]", annealing.jump, 0, 1},
-        {"annealed annealing.jump_reach must be in [0, 1]", annealing.jump_reach, 0, 1},
-        {"annealed annealing.start_price must be in [1e-6, 1e6]", annealing.start_price, 1e-6, 1e6},
-        {"annealed annealing.removal_screen must be in [0, 1e6]", annealing.removal_screen, 0, 1e6},
-        {"annealed annealing.insertion_screen must be in [0, 1e6]", annealing.insertion_screen, 0, 1e6},
-        {"annealed annealing.flip_screen must be in [0, 1e6]", annealing.flip_screen, 0, 1e6},
-        {"annealed annealing.count_tolerance must be in [0, 1]", annealing.count_tolerance, 0, 1},
-    });
-}
 
 template <int C>
 class TiledMesh;
-
-/// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
-/// two photographs at 1 to 4 %; the larger stages are within a third.
-struct AnnealedWork {
-    double start = 0;     ///< points, or what a mesh to start from takes
-    double settle = 0;    ///< 0: no such stage
-    double collapse = 0;  ///< 0: no such stage
-    double anneal = 0;    ///< 0: no such stage
-    double polish = 0;    ///< at the end
-    double colors = 0;    ///< the final ones
-
-    /// Of all stages.
-    [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
-};
-
-/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
-[[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
-                                                           bool has_start) noexcept {
-    AnnealedWork work;
-    const double points = steps.points * n;
-    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
-    if (!has_start) {
-        work.settle = 0.9 * points * steps.settle_rounds;
-        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
-    }
-    if (steps.annealing.sweeps > 0)
-        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
-    work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
-    work.colors = 0.001 * pixels + 1.2 * n;
-    return work;
-}
-
-/// The steps of a level of detail of n vertices that is made of the one before, of twice as many. Of the sweeps about half are
-/// left, of few ones less, since most of what they find the level before has found. Up to 1024 vertices, where few sweeps try too
-/// little, there are more: they cost next to nothing.
-[[nodiscard]] HMESH_COLD inline AnnealedSteps coarser_steps(AnnealedSteps steps, std::size_t n) noexcept {
-    AnnealingOptions& annealing = steps.annealing;
-    if (annealing.sweeps == 0) {  // as draft has it
-        steps.relaxation.rounds = 0;
-        steps.collapse_batch = 0.25;
-        steps.polish_rounds = 1;
-        return steps;
-    }
-    steps.collapse_batch = std::min(steps.collapse_batch, 0.18);
-    annealing.sweeps = static_cast<int>(12LL * annealing.sweeps / 25);
-    if (annealing.sweeps > 0) annealing.sweeps += n > 1024 ? 0 : n > 512 ? 1 : n > 256 ? 2 : 3;
-    annealing.start_price = 0.85;
-    const bool are_few = annealing.sweeps < 8;
-    annealing.temperature = are_few ? 0.1 : 0.3;  // few sweeps have no time to cool down
-    if (are_few) annealing.flip_screen = std::min(annealing.flip_screen, 2.0);
-    return steps;
-}
-
-/// The work of such a level of n vertices, made of one of `from`.
-[[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
-                                                          double n) noexcept {
-    AnnealedWork work = annealed_work(steps, pixels, n, true);
-    work.start = 0;
-    work.collapse = 16 * (from - n);
-    return work;
-}
 
 }  // namespace kit
 
@@ -9402,6 +9435,14 @@ class HalfedgeMesh {
     void delete_face(Face f);
     /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
     void replace(Halfedge goes, Halfedge stays);
+    /// The corner of a triangle after corner k. Not (k + 1) % 3, which becomes a division where code is to be small.
+    [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
+
+    struct Sides;
+    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count,
+                                                                 const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
+    [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
     [[nodiscard]] Status check_vertex(Vertex v) const;
 
     UndoArray<HalfedgeSlot> halfedges_;
@@ -9543,25 +9584,29 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
-    clear();
-    const auto fail = [this](const char* what, std::size_t where) -> Status {
-        clear();
-        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
-    };
-    if (vertex_count >= free_end / 6)
-        return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
+/// The sides of triangles as half-edges.
+struct HalfedgeMesh::Sides {
+    Status status;              ///< what is wrong with the triangles, and where
+    Array<Halfedge> halfedges;  ///< side k of triangle t, from corner k to the next, is halfedges[3 t + k]
+    std::size_t edges = 0;      ///< how many there are
+};
 
+/// Finds the half-edges of the sides, the two of an edge beside each other. Refuses a vertex that is none, one that a triangle
+/// names twice, and two sides that run from one vertex to another.
+HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+    Sides out;
+    const auto fail = [&out](const char* what, std::size_t where) {
+        out.status = {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+        return std::move(out);
+    };
     // The sides of triangles by their smaller corner, and of one smaller corner sorted by the larger one, so that the two
     // half-edges of an edge follow each other. A side is, from high bits to low ones, the larger corner, whether it runs from
     // there, and 3 * triangle + k for the side from corner k to corner k + 1: sorting numbers takes half the time of structs.
-    // Not (k + 1) % 3, which becomes a division where code is to be small.
-    const auto after = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     constexpr std::uint64_t reversed = std::uint64_t{1} << 32;
     Array<std::uint32_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
+            const std::uint32_t a = triangles[t][k], b = triangles[t][corner_after(k)];
             if (a >= vertex_count || b >= vertex_count) return fail("a triangle names a vertex that does not exist", t);
             if (a == b) return fail("a triangle names a vertex twice", t);
             ++first[std::min(a, b) + 1];
@@ -9570,41 +9615,30 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     Array<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
+            const std::uint32_t a = triangles[t][k], b = triangles[t][corner_after(k)];
             sides[first[std::min(a, b)]++] =
                 std::uint64_t{std::max(a, b)} << 33U | (a > b ? reversed : 0) | static_cast<std::uint32_t>(3 * t + k);
         }
-    Array<Halfedge> side_halfedge(3 * triangles.size());
-    std::size_t edges = 0;
+    out.halfedges.resize(3 * triangles.size());
     for (std::size_t v = 0, i = 0; v < vertex_count; ++v) {
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(first[v]));
         for (std::uint64_t before = 0; i < first[v]; before = sides[i++]) {
             const std::uint64_t side = sides[i];
             // The larger corner is never 0.
             if ((side ^ before) >> 32U == 0)
-                return fail("an edge is used twice in one direction, first by triangle",
-                            static_cast<std::uint32_t>(before) / 3);
-            edges += (side ^ before) >> 33U != 0 ? 1 : 0;
-            side_halfedge[static_cast<std::uint32_t>(side)] = Halfedge(2 * edges - ((side & reversed) != 0 ? 1 : 2));
+                return fail("an edge is used twice in one direction, first by triangle", static_cast<std::uint32_t>(before) / 3);
+            out.edges += (side ^ before) >> 33U != 0 ? 1 : 0;
+            out.halfedges[static_cast<std::uint32_t>(side)] = Halfedge(2 * out.edges - ((side & reversed) != 0 ? 1 : 2));
         }
     }
+    return out;
+}
 
-    vertices_.resize(vertex_count);
-    halfedges_.resize(2 * edges);
-    faces_.resize(triangles.size());
-    counts_.vertices = vertex_count;
-    counts_.edges = edges;
-    counts_.faces = triangles.size();
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Halfedge* const h = side_halfedge.data() + 3 * t;
-        const Triangle& v = triangles[t];
-        set_triangle(Face(t), h[0], h[1], h[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            set_to(h[k], Vertex(v[after(k)]));
-            set_to(opposite(h[k]), Vertex(v[k]));
-            set_halfedge(Vertex(v[k]), h[k]);
-        }
-    }
+/// Links the boundary half-edges, where all others are. Refuses a vertex of no triangle and one in which two fans meet.
+Status HalfedgeMesh::link_boundary() {
+    const auto fail = [](const char* what, std::size_t where) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+    };
     for (std::size_t i = 0; i < halfedges_.size(); ++i) {
         const Halfedge h(i);
         if (!is_boundary(h)) continue;
@@ -9613,24 +9647,52 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
         if (is_boundary(halfedge(v))) return fail("two fans of triangles meet in one vertex", v.index());
         set_halfedge(v, h);
     }
-    for (std::size_t i = 0; i < vertex_count; ++i)
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
         if (vertices_[i].deleted()) return fail("a vertex belongs to no triangle", i);
     // The boundary half-edge after h leaves h's end; each end has only one.
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
-    // One thing is left to be known: whether a turn around each vertex meets all half-edges that leave it. They are as many as
-    // there are half-edges in all, and a turn meets none twice. A turn over two faces back to back counts for nothing.
+    return {};
+}
+
+Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+    clear();
+    if (vertex_count >= free_end / 6)
+        return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
+    const Sides sides = find_sides(vertex_count, triangles);
+    if (!sides.status) return sides.status;
+
+    vertices_.resize(vertex_count);
+    halfedges_.resize(2 * sides.edges);
+    faces_.resize(triangles.size());
+    counts_.vertices = vertex_count;
+    counts_.edges = sides.edges;
+    counts_.faces = triangles.size();
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const Halfedge* const h = sides.halfedges.data() + 3 * t;
+        const Triangle& v = triangles[t];
+        set_triangle(Face(t), h[0], h[1], h[2]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            set_to(h[k], Vertex(v[corner_after(k)]));
+            set_to(opposite(h[k]), Vertex(v[k]));
+            set_halfedge(Vertex(v[k]), h[k]);
+        }
+    }
+    Status status = link_boundary();
+    if (status && !do_turns_meet_all()) status = check();
+    if (!status) clear();
+    HMESH_ASSERT(!status || check());
+    return status;
+}
+
+/// Whether a turn around each vertex meets all half-edges that leave it: the one thing that assign() does not know of a mesh whose
+/// boundary is linked. They are as many as there are half-edges in all, and a turn meets none twice. A turn over two faces back to
+/// back counts for nothing.
+bool HalfedgeMesh::do_turns_meet_all() const {
     std::size_t met = 0;
     for (const Vertex v : vertices())
         if (const int turn = valence(v); turn > 2 || is_boundary(v)) met += static_cast<std::size_t>(turn);
-    if (met == halfedges_.size()) {
-        HMESH_ASSERT(check());
-        return {};
-    }
-    const Status status = check();
-    HMESH_ASSERT(!status);
-    clear();
-    return status;
+    return met == halfedges_.size();
 }
 
 inline std::vector<Triangle> HalfedgeMesh::triangles() const {
@@ -9710,7 +9772,8 @@ inline Status HalfedgeMesh::check() const {
             if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
         if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        if (neighbors.size() < 3 && boundary[v.index()] == 0) return fail("two faces have the same corners, at vertex", v.index());
+        if (neighbors.size() < 3 && boundary[v.index()] == 0)
+            return fail("two faces have the same corners, at vertex", v.index());
         for (const std::size_t u : neighbors)
             if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
     }
@@ -17254,12 +17317,12 @@ template <class T, int C>
 
 #endif  // HMESH_RENDER_HPP
 
-// ---- hmesh/image/samples.hpp
+// ---- hmesh/image/read_samples.hpp
 
 /// \file
 /// Samples of one channel as real numbers: what code needs that looks at images of all types, compiled once.
-#ifndef HMESH_IMAGE_SAMPLES_HPP
-#define HMESH_IMAGE_SAMPLES_HPP
+#ifndef HMESH_IMAGE_READ_SAMPLES_HPP
+#define HMESH_IMAGE_READ_SAMPLES_HPP
 
 namespace hmesh::kit {
 
@@ -17280,7 +17343,7 @@ struct ViewSamples {
 
 }  // namespace hmesh::kit
 
-#endif  // HMESH_IMAGE_SAMPLES_HPP
+#endif  // HMESH_IMAGE_READ_SAMPLES_HPP
 
 // ---- hmesh/solve/pcg.hpp
 

@@ -214,6 +214,14 @@ class HalfedgeMesh {
     void delete_face(Face f);
     /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
     void replace(Halfedge goes, Halfedge stays);
+    /// The corner of a triangle after corner k. Not (k + 1) % 3, which becomes a division where code is to be small.
+    [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
+
+    struct Sides;
+    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count,
+                                                                 const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
+    [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
     [[nodiscard]] Status check_vertex(Vertex v) const;
 
     UndoArray<HalfedgeSlot> halfedges_;

@@ -17,25 +17,29 @@ namespace hmesh::kit {
 
 // --- building and checking -----------------------------------------------------------------------------------------
 
-Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
-    clear();
-    const auto fail = [this](const char* what, std::size_t where) -> Status {
-        clear();
-        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
-    };
-    if (vertex_count >= free_end / 6)
-        return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
+/// The sides of triangles as half-edges.
+struct HalfedgeMesh::Sides {
+    Status status;              ///< what is wrong with the triangles, and where
+    Array<Halfedge> halfedges;  ///< side k of triangle t, from corner k to the next, is halfedges[3 t + k]
+    std::size_t edges = 0;      ///< how many there are
+};
 
+/// Finds the half-edges of the sides, the two of an edge beside each other. Refuses a vertex that is none, one that a triangle
+/// names twice, and two sides that run from one vertex to another.
+HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+    Sides out;
+    const auto fail = [&out](const char* what, std::size_t where) {
+        out.status = {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+        return std::move(out);
+    };
     // The sides of triangles by their smaller corner, and of one smaller corner sorted by the larger one, so that the two
     // half-edges of an edge follow each other. A side is, from high bits to low ones, the larger corner, whether it runs from
     // there, and 3 * triangle + k for the side from corner k to corner k + 1: sorting numbers takes half the time of structs.
-    // Not (k + 1) % 3, which becomes a division where code is to be small.
-    const auto after = [](std::size_t k) { return k == 2 ? std::size_t{0} : k + 1; };
     constexpr std::uint64_t reversed = std::uint64_t{1} << 32;
     Array<std::uint32_t> first(vertex_count + 1, 0);
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
+            const std::uint32_t a = triangles[t][k], b = triangles[t][corner_after(k)];
             if (a >= vertex_count || b >= vertex_count) return fail("a triangle names a vertex that does not exist", t);
             if (a == b) return fail("a triangle names a vertex twice", t);
             ++first[std::min(a, b) + 1];
@@ -44,41 +48,30 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
     Array<std::uint64_t> sides(3 * triangles.size());
     for (std::size_t t = 0; t < triangles.size(); ++t)
         for (std::size_t k = 0; k < 3; ++k) {
-            const std::uint32_t a = triangles[t][k], b = triangles[t][after(k)];
+            const std::uint32_t a = triangles[t][k], b = triangles[t][corner_after(k)];
             sides[first[std::min(a, b)]++] =
                 std::uint64_t{std::max(a, b)} << 33U | (a > b ? reversed : 0) | static_cast<std::uint32_t>(3 * t + k);
         }
-    Array<Halfedge> side_halfedge(3 * triangles.size());
-    std::size_t edges = 0;
+    out.halfedges.resize(3 * triangles.size());
     for (std::size_t v = 0, i = 0; v < vertex_count; ++v) {
         std::sort(sides.begin() + static_cast<std::ptrdiff_t>(i), sides.begin() + static_cast<std::ptrdiff_t>(first[v]));
         for (std::uint64_t before = 0; i < first[v]; before = sides[i++]) {
             const std::uint64_t side = sides[i];
             // The larger corner is never 0.
             if ((side ^ before) >> 32U == 0)
-                return fail("an edge is used twice in one direction, first by triangle",
-                            static_cast<std::uint32_t>(before) / 3);
-            edges += (side ^ before) >> 33U != 0 ? 1 : 0;
-            side_halfedge[static_cast<std::uint32_t>(side)] = Halfedge(2 * edges - ((side & reversed) != 0 ? 1 : 2));
+                return fail("an edge is used twice in one direction, first by triangle", static_cast<std::uint32_t>(before) / 3);
+            out.edges += (side ^ before) >> 33U != 0 ? 1 : 0;
+            out.halfedges[static_cast<std::uint32_t>(side)] = Halfedge(2 * out.edges - ((side & reversed) != 0 ? 1 : 2));
         }
     }
+    return out;
+}
 
-    vertices_.resize(vertex_count);
-    halfedges_.resize(2 * edges);
-    faces_.resize(triangles.size());
-    counts_.vertices = vertex_count;
-    counts_.edges = edges;
-    counts_.faces = triangles.size();
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const Halfedge* const h = side_halfedge.data() + 3 * t;
-        const Triangle& v = triangles[t];
-        set_triangle(Face(t), h[0], h[1], h[2]);
-        for (std::size_t k = 0; k < 3; ++k) {
-            set_to(h[k], Vertex(v[after(k)]));
-            set_to(opposite(h[k]), Vertex(v[k]));
-            set_halfedge(Vertex(v[k]), h[k]);
-        }
-    }
+/// Links the boundary half-edges, where all others are. Refuses a vertex of no triangle and one in which two fans meet.
+Status HalfedgeMesh::link_boundary() {
+    const auto fail = [](const char* what, std::size_t where) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
+    };
     for (std::size_t i = 0; i < halfedges_.size(); ++i) {
         const Halfedge h(i);
         if (!is_boundary(h)) continue;
@@ -87,24 +80,52 @@ Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle
         if (is_boundary(halfedge(v))) return fail("two fans of triangles meet in one vertex", v.index());
         set_halfedge(v, h);
     }
-    for (std::size_t i = 0; i < vertex_count; ++i)
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
         if (vertices_[i].deleted()) return fail("a vertex belongs to no triangle", i);
     // The boundary half-edge after h leaves h's end; each end has only one.
     for (std::size_t i = 0; i < halfedges_.size(); ++i)
         if (is_boundary(Halfedge(i))) set_next(Halfedge(i), halfedge(to_vertex(Halfedge(i))));
-    // One thing is left to be known: whether a turn around each vertex meets all half-edges that leave it. They are as many as
-    // there are half-edges in all, and a turn meets none twice. A turn over two faces back to back counts for nothing.
+    return {};
+}
+
+Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+    clear();
+    if (vertex_count >= free_end / 6)
+        return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
+    const Sides sides = find_sides(vertex_count, triangles);
+    if (!sides.status) return sides.status;
+
+    vertices_.resize(vertex_count);
+    halfedges_.resize(2 * sides.edges);
+    faces_.resize(triangles.size());
+    counts_.vertices = vertex_count;
+    counts_.edges = sides.edges;
+    counts_.faces = triangles.size();
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+        const Halfedge* const h = sides.halfedges.data() + 3 * t;
+        const Triangle& v = triangles[t];
+        set_triangle(Face(t), h[0], h[1], h[2]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            set_to(h[k], Vertex(v[corner_after(k)]));
+            set_to(opposite(h[k]), Vertex(v[k]));
+            set_halfedge(Vertex(v[k]), h[k]);
+        }
+    }
+    Status status = link_boundary();
+    if (status && !do_turns_meet_all()) status = check();
+    if (!status) clear();
+    HMESH_ASSERT(!status || check());
+    return status;
+}
+
+/// Whether a turn around each vertex meets all half-edges that leave it: the one thing that assign() does not know of a mesh whose
+/// boundary is linked. They are as many as there are half-edges in all, and a turn meets none twice. A turn over two faces back to
+/// back counts for nothing.
+bool HalfedgeMesh::do_turns_meet_all() const {
     std::size_t met = 0;
     for (const Vertex v : vertices())
         if (const int turn = valence(v); turn > 2 || is_boundary(v)) met += static_cast<std::size_t>(turn);
-    if (met == halfedges_.size()) {
-        HMESH_ASSERT(check());
-        return {};
-    }
-    const Status status = check();
-    HMESH_ASSERT(!status);
-    clear();
-    return status;
+    return met == halfedges_.size();
 }
 
 inline std::vector<Triangle> HalfedgeMesh::triangles() const {
@@ -184,7 +205,8 @@ inline Status HalfedgeMesh::check() const {
             if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
         }
         if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        if (neighbors.size() < 3 && boundary[v.index()] == 0) return fail("two faces have the same corners, at vertex", v.index());
+        if (neighbors.size() < 3 && boundary[v.index()] == 0)
+            return fail("two faces have the same corners, at vertex", v.index());
         for (const std::size_t u : neighbors)
             if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
     }

@@ -37,7 +37,7 @@
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
-#include "hmesh/image/samples.hpp"
+#include "hmesh/image/read_samples.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"

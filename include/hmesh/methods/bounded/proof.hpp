@@ -14,7 +14,7 @@
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/parallel.hpp"
-#include "hmesh/image/samples.hpp"
+#include "hmesh/image/read_samples.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/bounded/face_error.hpp"

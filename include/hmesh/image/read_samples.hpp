@@ -1,7 +1,7 @@
 /// \file
 /// Samples of one channel as real numbers: what code needs that looks at images of all types, compiled once.
-#ifndef HMESH_IMAGE_SAMPLES_HPP
-#define HMESH_IMAGE_SAMPLES_HPP
+#ifndef HMESH_IMAGE_READ_SAMPLES_HPP
+#define HMESH_IMAGE_READ_SAMPLES_HPP
 
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/image/image_view.hpp"
@@ -29,4 +29,4 @@ struct ViewSamples {
 
 #include "hmesh/core/macros/pop.hpp"
 
-#endif  // HMESH_IMAGE_SAMPLES_HPP
+#endif  // HMESH_IMAGE_READ_SAMPLES_HPP

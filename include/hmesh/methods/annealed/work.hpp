@@ -1,0 +1,57 @@
+/// \file
+/// How long the stages of Annealed take: for the progress of runs and of searches, never for what is done.
+#ifndef HMESH_METHODS_ANNEALED_WORK_HPP
+#define HMESH_METHODS_ANNEALED_WORK_HPP
+
+#include "hmesh/core/compiler.hpp"
+#include "hmesh/methods/annealed/steps.hpp"
+
+#include "hmesh/core/macros/push.hpp"
+
+namespace hmesh::kit {
+
+/// How long the stages of a run take, in microseconds of one core for 3 channels: only the ratios matter, for progress. From
+/// two photographs at 1 to 4 %; the larger stages are within a third.
+struct AnnealedWork {
+    double start = 0;     ///< points, or what a mesh to start from takes
+    double settle = 0;    ///< 0: no such stage
+    double collapse = 0;  ///< 0: no such stage
+    double anneal = 0;    ///< 0: no such stage
+    double polish = 0;    ///< at the end
+    double colors = 0;    ///< the final ones
+
+    /// Of all stages.
+    [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
+};
+
+/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
+[[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
+                                                           bool has_start) noexcept {
+    AnnealedWork work;
+    const double points = steps.points * n;
+    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
+    if (!has_start) {
+        work.settle = 0.9 * points * steps.settle_rounds;
+        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
+    }
+    if (steps.annealing.sweeps > 0)
+        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
+    work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
+    work.colors = 0.001 * pixels + 1.2 * n;
+    return work;
+}
+
+/// The work of a level of detail of n vertices, made of one of `from` with coarser_steps().
+[[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
+                                                          double n) noexcept {
+    AnnealedWork work = annealed_work(steps, pixels, n, true);
+    work.start = 0;
+    work.collapse = 16 * (from - n);
+    return work;
+}
+
+}  // namespace hmesh::kit
+
+#include "hmesh/core/macros/pop.hpp"
+
+#endif  // HMESH_METHODS_ANNEALED_WORK_HPP
