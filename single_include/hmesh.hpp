@@ -8305,7 +8305,6 @@ class ImageSource {
 #include <cstdint>
 
 namespace hmesh::kit {
-namespace detail {
 
 /// The position of vertex v in the plane where the centre of pixel (i, j) is at (i + 1/2, j + 1/2) (mesh/samples.hpp).
 [[nodiscard]] inline Point position(const Mesh& mesh, std::size_t v) noexcept {
@@ -8318,8 +8317,6 @@ namespace detail {
     const auto x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
     return x >= 0 && x <= extent(mesh.width, mesh.samples) && y >= 0 && y <= extent(mesh.height, mesh.samples);
 }
-
-}  // namespace detail
 
 /// How far a mesh is from an image.
 struct RenderedError {
@@ -8409,13 +8406,6 @@ template <class T, int C>
                                             const ImageView<float, 1>& weights = {}, double unit = 1,
                                             const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
     return rendered_errors(mesh, ImageSource<C>(view, weights, unit), parallel_for, channels);
-}
-
-/// The squared error alone.
-template <class T, int C>
-[[nodiscard]] double rendered_error(const Mesh& mesh, const ImageView<T, C>& view, const ImageView<float, 1>& weights = {},
-                                    double unit = 1, const ParallelFor& parallel_for = {}, const ChannelScale<C>& channels = {}) {
-    return rendered_errors(mesh, view, weights, unit, parallel_for, channels).energy;
 }
 
 }  // namespace hmesh::kit

@@ -17,7 +17,7 @@
 using hmesh::Image;
 using hmesh::ImageView;
 using hmesh::Mesh;
-using hmesh::kit::rendered_error;
+using hmesh::kit::rendered_errors;
 
 namespace {
 
@@ -54,10 +54,10 @@ TEST_CASE("the energy is that of brute force, in any order of the work") {
     const auto floats = hmesh_test::scene<float, 2>(31, 44, 5);
     const Mesh of_bytes = mesh_of(bytes, 90);
     const Mesh of_floats = mesh_of(floats, 90);
-    CHECK(rendered_error(of_bytes, bytes.view()) == doctest::Approx(brute_energy(bytes, of_bytes)).epsilon(1e-12));
-    CHECK(rendered_error(of_floats, floats.view()) == doctest::Approx(brute_energy(floats, of_floats)).epsilon(1e-12));
-    CHECK(rendered_error(of_floats, floats.view(), {}, 1, hmesh_test::ShuffledFor{3}) ==
-          rendered_error(of_floats, floats.view()));
+    CHECK(rendered_errors(of_bytes, bytes.view()).energy == doctest::Approx(brute_energy(bytes, of_bytes)).epsilon(1e-12));
+    CHECK(rendered_errors(of_floats, floats.view()).energy == doctest::Approx(brute_energy(floats, of_floats)).epsilon(1e-12));
+    CHECK(rendered_errors(of_floats, floats.view(), {}, 1, hmesh_test::ShuffledFor{3}).energy ==
+          rendered_errors(of_floats, floats.view()).energy);
 }
 
 TEST_CASE("weights count each pixel as often as they say") {
@@ -73,7 +73,7 @@ TEST_CASE("weights count each pixel as often as they say") {
             const double difference = static_cast<double>(*drawn.image.pixel(x, y)) - static_cast<double>(*image.pixel(x, y));
             expected += (x + 2 * y) % 3 / 2.0 * difference * difference;
         }
-    CHECK(rendered_error(mesh, image.view(), weights.view(), 0.5) == doctest::Approx(expected).epsilon(1e-5));
+    CHECK(rendered_errors(mesh, image.view(), weights.view(), 0.5).energy == doctest::Approx(expected).epsilon(1e-5));
 }
 
 TEST_CASE("what is reported of a float image is what is drawn, a sun beside deep shades in it or not") {

@@ -75,8 +75,8 @@ enum class FaceAlpha : std::uint8_t { opaque, blended, dropped };
 
 /// The area of a face, in px^2.
 [[nodiscard]] inline double area_of(const Mesh& mesh, const Triangle& face) noexcept {
-    return 0.5 * std::abs(kit::orient2d(kit::detail::position(mesh, face[0]), kit::detail::position(mesh, face[1]),
-                                        kit::detail::position(mesh, face[2])));
+    return 0.5 *
+           std::abs(kit::orient2d(kit::position(mesh, face[0]), kit::position(mesh, face[1]), kit::position(mesh, face[2])));
 }
 
 /// Removes the vertices that no face uses; the others keep their order. Returns how many are gone.
@@ -125,7 +125,7 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
         return {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
     if (const Status status = check_sprite(mesh, threshold); !status) return status;
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-        if (!kit::detail::is_inside(mesh, v))
+        if (!kit::is_inside(mesh, v))
             return {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
     return {};
 }
