@@ -6920,8 +6920,9 @@ struct Target {
     /// The fewest vertices found whose mesh reaches this PSNR, in dB, > 0. Takes about six runs at counts that close in on the
     /// target.
     [[nodiscard]] static Target psnr(double decibel) noexcept { return {Kind::psnr, decibel, {}, {}}; }
-    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh is
-    /// the best one found of at most so many, and the status target_out_of_range.
+    /// The same with at most `max_vertices`, >= 4; more than pixels bound nothing. Where these do not reach the PSNR, the mesh
+    /// is the best one found of at most so many, and the status target_out_of_range. That of a search which was cancelled may
+    /// have up to twice as many.
     [[nodiscard]] static Target psnr(double decibel, std::int64_t max_vertices) noexcept {
         return {Kind::psnr, decibel, max_vertices, {}};
     }
