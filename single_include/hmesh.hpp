@@ -1429,6 +1429,10 @@ struct Point {
 
 /// The point half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
+/// The mean of the corners a, b, c of a triangle.
+[[nodiscard]] constexpr Point centroid(Point a, Point b, Point c) noexcept {
+    return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+}
 
 /// A number without its fraction, as an integer; x in [0, 2^31). Of a conversion engines of WebAssembly make a dozen instructions
 /// and a branch, since it may trap; of this half as many, and none.
@@ -10053,8 +10057,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 [[nodiscard]] inline Array<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
-        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
-        return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+        return centroid(position(v[0]), position(v[1]), position(v[2]));
     });
 }
 /// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).
@@ -10173,12 +10176,6 @@ class ImageMesh {
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
     /// The colour of vertex v.
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    /// The mean of the positions of a face's corners.
-    [[nodiscard]] Point centroid(Face f) const noexcept {
-        const auto v = topology_.vertices(f);
-        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
-        return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
-    }
     /// The squared error of a face: the sum of squared differences over its pixels and channels.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     /// The squared error of the mesh: the sum over all faces.
@@ -11135,9 +11132,7 @@ template <int C>
         mesh.moments(h, ring.link[i]);
     }
     const VertexState<C>&v0 = *ring.neighbor[0], &v1 = *ring.neighbor[1], &v2 = *ring.neighbor[2];
-    candidate.center.position =
-        mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3, (v0.position.y + v1.position.y + v2.position.y) / 3},
-                   Mobility::free);
+    candidate.center.position = mesh.clamp(centroid(v0.position, v1.position, v2.position), Mobility::free);
     candidate.center.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.center.position, mesh.limits().min_double_area)) return candidate;
     walk_spokes(mesh.table(), ring, candidate.center.position, scratch.spokes);
@@ -13159,11 +13154,11 @@ struct Cut {
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
     for (std::size_t t = 0; t < faces.size(); ++t) {
-        double x = 0, y = 0;
-        for (const std::uint32_t v : faces[t]) x += positions[v].x, y += positions[v].y;
-        tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
+        const Triangle& face = faces[t];
+        const Point middle = centroid(positions[face[0]], positions[face[1]], positions[face[2]]);
+        tile[t] = static_cast<std::uint32_t>(tiling.tile_at(middle));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : faces[t]) {
+        for (const std::uint32_t v : face) {
             ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
@@ -13541,9 +13536,8 @@ struct Recut {
                                                             int x, int y, const Torus& torus) {
     Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        Point sum;
-        for (const std::uint32_t v : faces[f]) sum = {sum.x + positions[v].x, sum.y + positions[v].y};
-        turns[f] = turns_into({sum.x / 3, sum.y / 3}, x, y, torus);
+        const Triangle& face = faces[f];
+        turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
     }
     return turns;
 }

@@ -2567,9 +2567,9 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
     for (const Face f : delaunay.topology().faces()) {
         const auto v = delaunay.topology().vertices(f);
         if (!field.data.empty()) {
-            const Point a = sheet.vertices[v[0].index()].position, b = sheet.vertices[v[1].index()].position,
-                        c = sheet.vertices[v[2].index()].position;
-            if (!field.is_cell(static_cast<int>((a.x + b.x + c.x) / 3), static_cast<int>((a.y + b.y + c.y) / 3))) continue;
+            const Point middle = centroid(sheet.vertices[v[0].index()].position, sheet.vertices[v[1].index()].position,
+                                          sheet.vertices[v[2].index()].position);
+            if (!field.is_cell(static_cast<int>(middle.x), static_cast<int>(middle.y))) continue;
         }
         sheet.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
                                static_cast<std::uint32_t>(v[2].index())});
@@ -3596,8 +3596,8 @@ struct SheetPiece {
     Array<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none), number(whole.vertices.size(), none);
     for (std::size_t f = 0; f < whole.faces.size(); ++f) {
         const Triangle& t = whole.faces[f];
-        const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
-        tile_of[f] = static_cast<std::uint32_t>(tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}));
+        tile_of[f] = static_cast<std::uint32_t>(tiling.tile_at(
+            centroid(whole.vertices[t[0]].position, whole.vertices[t[1]].position, whole.vertices[t[2]].position)));
         for (const std::uint32_t v : t) owner[v] = owner[v] == none || owner[v] == tile_of[f] ? tile_of[f] : several;
     }
     for (std::size_t f = 0; f < whole.faces.size(); ++f) pieces[tile_of[f]].sheet.faces.push_back(whole.faces[f]);

@@ -68,6 +68,7 @@ TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that ar
     }
     CHECK(hmesh::kit::snap(Point{0.001, 65536}) == Point{0, 65536});
     CHECK(hmesh::kit::midpoint({1, 2}, {2, 5}) == Point{1.5, 3.5});
+    CHECK(hmesh::kit::centroid({1, 2}, {2, 5}, {6, 8}) == Point{3, 5});
     CHECK(Point{1, 2} != Point{2, 1});
 }
 

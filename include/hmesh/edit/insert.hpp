@@ -123,9 +123,7 @@ template <int C>
         mesh.moments(h, ring.link[i]);
     }
     const VertexState<C>&v0 = *ring.neighbor[0], &v1 = *ring.neighbor[1], &v2 = *ring.neighbor[2];
-    candidate.center.position =
-        mesh.clamp({(v0.position.x + v1.position.x + v2.position.x) / 3, (v0.position.y + v1.position.y + v2.position.y) / 3},
-                   Mobility::free);
+    candidate.center.position = mesh.clamp(centroid(v0.position, v1.position, v2.position), Mobility::free);
     candidate.center.color = (1.0 / 3) * (v0.color + v1.color + v2.color);
     if (!ring.accepts(candidate.center.position, mesh.limits().min_double_area)) return candidate;
     walk_spokes(mesh.table(), ring, candidate.center.position, scratch.spokes);

@@ -118,12 +118,6 @@ class ImageMesh {
     [[nodiscard]] Point position(Vertex v) const noexcept { return vertex(v).position; }
     /// The colour of vertex v.
     [[nodiscard]] const Color<C>& color(Vertex v) const noexcept { return vertex(v).color; }
-    /// The mean of the positions of a face's corners.
-    [[nodiscard]] Point centroid(Face f) const noexcept {
-        const auto v = topology_.vertices(f);
-        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
-        return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
-    }
     /// The squared error of a face: the sum of squared differences over its pixels and channels.
     [[nodiscard]] double energy(Face f) const noexcept { return energies_[f.index()]; }
     /// The squared error of the mesh: the sum over all faces.

@@ -27,6 +27,10 @@ struct Point {
 
 /// The point half way from a to b.
 [[nodiscard]] constexpr Point midpoint(Point a, Point b) noexcept { return {0.5 * (a.x + b.x), 0.5 * (a.y + b.y)}; }
+/// The mean of the corners a, b, c of a triangle.
+[[nodiscard]] constexpr Point centroid(Point a, Point b, Point c) noexcept {
+    return {(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+}
 
 /// A number without its fraction, as an integer; x in [0, 2^31). Of a conversion engines of WebAssembly make a dozen instructions
 /// and a branch, since it may trap; of this half as many, and none.

@@ -82,8 +82,7 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 [[nodiscard]] inline Array<Face> spatial_faces(const HalfedgeMesh& topology, FunctionRef<Point(Vertex)> position) {
     return in_spatial_order<Face>(topology.faces(), topology.face_count(), [&](Face f) {
         const auto v = topology.vertices(f);
-        const Point a = position(v[0]), b = position(v[1]), c = position(v[2]);
-        return Point{(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3};
+        return centroid(position(v[0]), position(v[1]), position(v[2]));
     });
 }
 /// The edges of a mesh, each once, in the order of spatial_faces(), `position` giving the positions of vertices. O(n).

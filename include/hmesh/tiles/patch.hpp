@@ -67,11 +67,11 @@ struct Cut {
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
     for (std::size_t t = 0; t < faces.size(); ++t) {
-        double x = 0, y = 0;
-        for (const std::uint32_t v : faces[t]) x += positions[v].x, y += positions[v].y;
-        tile[t] = static_cast<std::uint32_t>(tiling.tile_at({x / 3, y / 3}));
+        const Triangle& face = faces[t];
+        const Point middle = centroid(positions[face[0]], positions[face[1]], positions[face[2]]);
+        tile[t] = static_cast<std::uint32_t>(tiling.tile_at(middle));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : faces[t]) {
+        for (const std::uint32_t v : face) {
             ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }

@@ -87,9 +87,8 @@ struct Recut {
                                                             int x, int y, const Torus& torus) {
     Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
-        Point sum;
-        for (const std::uint32_t v : faces[f]) sum = {sum.x + positions[v].x, sum.y + positions[v].y};
-        turns[f] = turns_into({sum.x / 3, sum.y / 3}, x, y, torus);
+        const Triangle& face = faces[f];
+        turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
     }
     return turns;
 }

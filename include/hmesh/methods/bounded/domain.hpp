@@ -90,9 +90,9 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
     for (const Face f : delaunay.topology().faces()) {
         const auto v = delaunay.topology().vertices(f);
         if (!field.data.empty()) {
-            const Point a = sheet.vertices[v[0].index()].position, b = sheet.vertices[v[1].index()].position,
-                        c = sheet.vertices[v[2].index()].position;
-            if (!field.is_cell(static_cast<int>((a.x + b.x + c.x) / 3), static_cast<int>((a.y + b.y + c.y) / 3))) continue;
+            const Point middle = centroid(sheet.vertices[v[0].index()].position, sheet.vertices[v[1].index()].position,
+                                          sheet.vertices[v[2].index()].position);
+            if (!field.is_cell(static_cast<int>(middle.x), static_cast<int>(middle.y))) continue;
         }
         sheet.faces.push_back({static_cast<std::uint32_t>(v[0].index()), static_cast<std::uint32_t>(v[1].index()),
                                static_cast<std::uint32_t>(v[2].index())});

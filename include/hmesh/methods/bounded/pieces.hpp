@@ -49,8 +49,8 @@ struct SheetPiece {
     Array<std::uint32_t> tile_of(whole.faces.size()), owner(whole.vertices.size(), none), number(whole.vertices.size(), none);
     for (std::size_t f = 0; f < whole.faces.size(); ++f) {
         const Triangle& t = whole.faces[f];
-        const Point a = whole.vertices[t[0]].position, b = whole.vertices[t[1]].position, c = whole.vertices[t[2]].position;
-        tile_of[f] = static_cast<std::uint32_t>(tiling.tile_at({(a.x + b.x + c.x) / 3, (a.y + b.y + c.y) / 3}));
+        tile_of[f] = static_cast<std::uint32_t>(tiling.tile_at(
+            centroid(whole.vertices[t[0]].position, whole.vertices[t[1]].position, whole.vertices[t[2]].position)));
         for (const std::uint32_t v : t) owner[v] = owner[v] == none || owner[v] == tile_of[f] ? tile_of[f] : several;
     }
     for (std::size_t f = 0; f < whole.faces.size(); ++f) pieces[tile_of[f]].sheet.faces.push_back(whole.faces[f]);
