@@ -7,6 +7,7 @@
 #include <hmesh/hmesh.hpp>
 
 #include <hmesh/core/random.hpp>
+#include <hmesh/core/status.hpp>
 #include <hmesh/edit/flip.hpp>
 #include <hmesh/edit/move.hpp>
 #include <hmesh/mesh/delaunay.hpp>

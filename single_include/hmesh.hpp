@@ -507,6 +507,13 @@ class Message {
 
 namespace kit {
 
+/// The status of work that the progress callback cancelled.
+[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
+/// The status ok where `is_finished`, else that of a cancellation.
+[[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
+    return is_finished ? Status() : cancelled_by_callback();
+}
+
 /// `count` pixels of a row or a column from number `first` on, both in [0, 65536], as one number.
 [[nodiscard]] constexpr double pack_span(int first, int count) noexcept { return first * 131072.0 + count; }
 /// The first pixel of such a number.
@@ -14698,13 +14705,6 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const Array<Vertex>& ver
 #include <algorithm>
 
 namespace hmesh::kit {
-
-/// The status of a recipe that the progress callback cancelled.
-[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-/// The status ok where `is_finished`, else that of a cancellation.
-[[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
-    return is_finished ? Status() : cancelled_by_callback();
-}
 
 /// Runs body() as a stage: tells progress of its begin and end, and adds its StageReport. `name` must be a static string; body()
 /// returns whether to go on. Returns whether to go on; false: cancelled.

@@ -4067,7 +4067,7 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
     const kit::Sheet sheet = kit::BoundedPieces(field, limits, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
         result.status = progress.stopped()
-                            ? Status(Errc::cancelled, "cancelled by the progress callback")
+                            ? kit::cancelled_by_callback()
                             : Status(Errc::invalid_argument, "the image has no cell of samples that all have data");
         return result;
     }
@@ -4085,7 +4085,7 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
         sheet.vertices.size(), sheet.faces.size(),
         proof.energy,          kit::psnr_of_energy(proof.energy, static_cast<double>(proof.samples * channels), peak),
         progress.stages(),     proof.max_error};
-    if (progress.stopped()) result.status = {Errc::cancelled, "cancelled by the progress callback"};
+    if (progress.stopped()) result.status = kit::cancelled_by_callback();
     return result;
 }
 

@@ -209,7 +209,7 @@ TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves w
             Result result;
             result.report.vertices = n;
             result.report.psnr = level + std::log2(static_cast<double>(n));
-            if (++k >= runs) result.status = {Errc::cancelled, "cancelled by the progress callback"};
+            if (++k >= runs) result.status = hmesh::kit::cancelled_by_callback();
             return result;
         };
     };
@@ -228,7 +228,7 @@ TEST_CASE("a run that fails at once is handed on; one that is cancelled leaves w
         Result result;
         result.report.vertices = n;
         result.report.psnr = k == 0 ? 26 : 10;
-        if (k++ != 0) result.status = {Errc::cancelled, "cancelled by the progress callback"};
+        if (k++ != 0) result.status = hmesh::kit::cancelled_by_callback();
         return result;
     });
     CHECK(begun.status.code == Errc::cancelled);

@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/status.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/subdivide.hpp"
 #include "hmesh/mesh_image.hpp"

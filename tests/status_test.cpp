@@ -46,6 +46,14 @@ TEST_CASE("a Status holds numbers of every arithmetic type as doubles, and 0 whe
     static_assert(!known && known.value == -1.5 && known.limit == 0, "usable at compile time");
 }
 
+TEST_CASE("what the progress callback cancels has one status, and is ok where it was finished all the same") {
+    using hmesh::kit::cancelled_by_callback;
+    CHECK(cancelled_by_callback().code == Errc::cancelled);
+    CHECK(std::string(hmesh::message(cancelled_by_callback()).c_str()) == "cancelled by the progress callback");
+    CHECK(hmesh::kit::finished_or_cancelled(true));
+    CHECK(hmesh::kit::finished_or_cancelled(false).code == Errc::cancelled);
+}
+
 TEST_CASE("a sentence has its number also where that is 0, and none where none was given") {
     CHECK(std::string(hmesh::message(Status(Errc::not_finite, "the image has a sample that is NaN, in row", 0)).c_str()) ==
           "the image has a sample that is NaN, in row (0)");

@@ -227,7 +227,7 @@ void fit_light(const ImageFile& image, const MeshingOptions& wanted, double from
     result.report.stages.push_back(
         {info.stage, result.report.vertices, report.energy, report.psnr, report.solver_iterations, report.residual});
     is_stopped = !go_on(1) || is_stopped;
-    if (result.status && is_stopped) result.status = {hmesh::Errc::cancelled, "cancelled by the progress callback"};
+    if (result.status && is_stopped) result.status = hmesh::kit::cancelled_by_callback();
 }
 
 [[nodiscard]] hmesh::Lods mesh_whole(const ImageFile& image, const MeshingOptions& options,

@@ -17,6 +17,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/psnr.hpp"
+#include "hmesh/core/status.hpp"
 #include "hmesh/edit/collapse.hpp"
 #include "hmesh/edit/flip.hpp"
 #include "hmesh/edit/move.hpp"
@@ -24,7 +25,6 @@
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/methods/annealed/annealed.hpp"
-#include "hmesh/methods/stage.hpp"
 #include "hmesh/solve/bounded_colors.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 

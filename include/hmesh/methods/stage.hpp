@@ -6,20 +6,12 @@
 #include <algorithm>
 
 #include "hmesh/core/function_ref.hpp"
-#include "hmesh/core/status.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 #include "hmesh/tiles/tiling.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-
-/// The status of a recipe that the progress callback cancelled.
-[[nodiscard]] inline Status cancelled_by_callback() noexcept { return {Errc::cancelled, "cancelled by the progress callback"}; }
-/// The status ok where `is_finished`, else that of a cancellation.
-[[nodiscard]] inline Status finished_or_cancelled(bool is_finished) noexcept {
-    return is_finished ? Status() : cancelled_by_callback();
-}
 
 /// Runs body() as a stage: tells progress of its begin and end, and adds its StageReport. `name` must be a static string; body()
 /// returns whether to go on. Returns whether to go on; false: cancelled.

@@ -30,7 +30,6 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/annealed/options.hpp"
-#include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
 #include "hmesh/rate/compact_lattice.hpp"
 #include "hmesh/rate/lattice_mesh.hpp"

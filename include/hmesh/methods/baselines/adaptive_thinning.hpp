@@ -16,6 +16,7 @@
 #include <numeric>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/status.hpp"
 #include "hmesh/methods/baselines/adams.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/options.hpp"
