@@ -6005,6 +6005,11 @@ namespace kit {
 inline constexpr int max_channels = 16;
 /// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
+/// Whether alpha, of which `peak` is full, is above a threshold in 255ths of full alpha: by a millionth, since floats that are to
+/// be at the threshold are rounded by up to 6e-8 of it.
+[[nodiscard]] constexpr bool is_alpha_above(double alpha, double threshold, double peak) noexcept {
+    return 255 * alpha > (1 + 1e-6) * threshold * peak;
+}
 /// Whether colours of so many channels can be multiplied by alpha; else invalid_argument.
 [[nodiscard]] HMESH_COLD inline Status check_premultiplied(int channels) noexcept {
     if (has_alpha(channels)) return {};

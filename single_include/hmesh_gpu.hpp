@@ -2395,7 +2395,7 @@ template <class T, int C>
         for (int y = 0; y < view.height; ++y) {
             const T* pixel = view.row(y);
             for (int x = 0; x < view.width; ++x, pixel += C)
-                *to++ = 255 * Traits::to_real(pixel[C - 1]) > (1 + 1e-6) * threshold * Traits::peak ? 1 : 0;  // floats round
+                *to++ = kit::is_alpha_above(Traits::to_real(pixel[C - 1]), threshold, Traits::peak) ? 1 : 0;
         }
     }
     return mask;
@@ -2557,7 +2557,7 @@ enum class FaceAlpha : std::uint8_t { opaque, blended, dropped };
     for (const Triangle& face : mesh.faces) {
         const auto alpha = [&](std::size_t k) { return static_cast<double>(mesh.colors[channels * face[k] + channels - 1]); };
         const auto [least, most] = std::minmax({alpha(0), alpha(1), alpha(2)});
-        kinds.push_back(255 * most <= (1 + 1e-6) * threshold * mesh.peak ? FaceAlpha::dropped
+        kinds.push_back(!kit::is_alpha_above(most, threshold, mesh.peak) ? FaceAlpha::dropped
                         : 255 * least >= 254.5 * mesh.peak               ? FaceAlpha::opaque
                                                                          : FaceAlpha::blended);
     }

@@ -289,6 +289,16 @@ TEST_CASE("the test scene is the same picture in every sample type, and has flat
     CHECK(samples_of(hmesh_test::scene<std::uint8_t, 3>(60, 40, 6)) != samples_of(bytes));
 }
 
+TEST_CASE("alpha at a threshold is not above it, whichever way it was rounded as a float, and one step of 16 bits more is") {
+    using hmesh::kit::is_alpha_above;
+    for (int threshold = 0; threshold <= 254; ++threshold) {
+        const auto share = static_cast<double>(static_cast<float>(threshold) / 255);
+        CHECK(!is_alpha_above(share, threshold, 1));
+        CHECK(!is_alpha_above(257 * threshold, threshold, 65535));
+        CHECK(is_alpha_above(257 * threshold + 1, threshold, 65535));
+    }
+}
+
 TEST_CASE("pixels are read of samples of any size") {
     Image<Record, 2> image(3, 2);
     for (std::size_t i = 0; i < image.size(); ++i) image.data()[i].height = static_cast<double>(i);

@@ -85,7 +85,7 @@ template <class T, int C>
         for (int y = 0; y < view.height; ++y) {
             const T* pixel = view.row(y);
             for (int x = 0; x < view.width; ++x, pixel += C)
-                *to++ = 255 * Traits::to_real(pixel[C - 1]) > (1 + 1e-6) * threshold * Traits::peak ? 1 : 0;  // floats round
+                *to++ = kit::is_alpha_above(Traits::to_real(pixel[C - 1]), threshold, Traits::peak) ? 1 : 0;
         }
     }
     return mask;

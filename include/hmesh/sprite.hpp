@@ -66,7 +66,7 @@ enum class FaceAlpha : std::uint8_t { opaque, blended, dropped };
     for (const Triangle& face : mesh.faces) {
         const auto alpha = [&](std::size_t k) { return static_cast<double>(mesh.colors[channels * face[k] + channels - 1]); };
         const auto [least, most] = std::minmax({alpha(0), alpha(1), alpha(2)});
-        kinds.push_back(255 * most <= (1 + 1e-6) * threshold * mesh.peak ? FaceAlpha::dropped
+        kinds.push_back(!kit::is_alpha_above(most, threshold, mesh.peak) ? FaceAlpha::dropped
                         : 255 * least >= 254.5 * mesh.peak               ? FaceAlpha::opaque
                                                                          : FaceAlpha::blended);
     }
