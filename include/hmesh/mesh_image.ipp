@@ -27,6 +27,7 @@
 #include "hmesh/methods/annealed/annealed.hpp"
 #include "hmesh/methods/final_colors.hpp"
 #include "hmesh/methods/psnr_search.hpp"
+#include "hmesh/methods/psnr_search_going_on.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
 #include "hmesh/tiles/recut.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"

@@ -19,6 +19,7 @@
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
 #include "hmesh/methods/annealed/first_points.hpp"
+#include "hmesh/methods/psnr_search_going_on.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
 #include "hmesh/core/macros/push.hpp"

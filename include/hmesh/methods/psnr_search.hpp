@@ -5,11 +5,8 @@
 /// lead to two runs that enclose the target. From then on the next count is that of the secant between the two, or the middle
 /// (of the logarithms) after more than two runs in a row on the same side.
 ///
-/// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method.
-///
-/// Of a method that can go on from a mesh, drafts first tell how steep the curve is and about how many vertices it takes; then
-/// comes one whole run, of rather too many vertices, and all further ones go on from the one before: down to fewer loses nothing,
-/// and the last per cent are trimmed without annealing. Cost: some 2 runs of the method, seldom more than 2.5.
+/// Cost: ends when the two counts differ by at most 0.5 % (or 1), after some 5 to 8 runs of the method. Of a method that can go
+/// on from a mesh some 2 do, by psnr_search_going_on.hpp.
 #ifndef HMESH_METHODS_PSNR_SEARCH_HPP
 #define HMESH_METHODS_PSNR_SEARCH_HPP
 
@@ -17,8 +14,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <optional>
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
@@ -96,45 +91,6 @@ class BestResult {
     Result result_;
 };
 
-/// The PSNR over the number of vertices, after runs of one kind: about a straight line in the fourth root of that number, as of
-/// photographs between 20 and 42 dB; where all but their grain is fitted, they rise less.
-class PsnrCurve {
-  public:
-    /// After a first run of n vertices.
-    PsnrCurve(std::size_t n, double psnr) noexcept : root_(root_of(static_cast<double>(n))), psnr_(psnr), rise_(rise_of(1.6)) {}
-    /// Through a run of n vertices, as steep as before.
-    void shift(std::size_t n, double psnr) noexcept {
-        root_ = root_of(static_cast<double>(n));
-        psnr_ = psnr;
-    }
-    /// Through a run of n vertices and the one before, if they are far enough apart to tell more than chance. A run that
-    /// `goes_on` from the one before may have won or lost some dB by that, which only makes the curve seem flatter.
-    HMESH_COLD void pass(std::size_t n, double psnr, bool goes_on) noexcept {
-        const double step = root_of(static_cast<double>(n)) - root_, gain = psnr - psnr_;
-        const bool is_far = std::abs(step) > 0.035 * root_;  // a fifth of a doubling
-        shift(n, psnr);
-        if (is_far) rise_ = std::max(goes_on ? rise_ : rise_of(0.6), std::min(rise_of(16), gain / step));
-    }
-    /// The curve of runs that reach as much by this share of the vertices.
-    void scale(double share) noexcept {
-        root_ *= root_of(share);
-        rise_ /= root_of(share);
-    }
-    /// The number of vertices for a PSNR.
-    [[nodiscard]] double count(double psnr) const noexcept {
-        const double root = std::max(root_ / 2, root_ + (psnr - psnr_) / rise_);
-        return root * root * root * root;
-    }
-
-  private:
-    [[nodiscard]] static double root_of(double n) noexcept { return std::sqrt(std::sqrt(n)); }
-    /// The rise that is so many dB for a doubling.
-    [[nodiscard]] double rise_of(double slope) const noexcept { return slope / (0.1733 * root_); }  // log(2) / 4
-
-    double root_, psnr_;
-    double rise_;  ///< dB for one more of the root
-};
-
 }  // namespace detail
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
@@ -183,124 +139,6 @@ class PsnrCurve {
         best.offer(std::move(result));
     }
     return best.take();
-}
-
-/// The same for a method that can go on from a mesh. mesh_from(n, beginning) makes the mesh of n vertices, also of up to twice as
-/// many as `most`, and at most `all`, where it seems that as many are needed: coming down from these it may do with what is
-/// allowed. The result has at most 1 to 2 % more vertices than those that the method would need from the start, and may have
-/// fewer: a mesh gets better with each run that goes on from it. Cancelled, it may have more than `most`.
-[[nodiscard]] HMESH_COLD inline Result fewest_vertices_going_on(
-    double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
-    FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
-    constexpr double likely_enough = 1.05;  // times what is foretold, since growing costs more than losing what was too much
-    // In doublings of the vertices:
-    constexpr double near_enough = 0.014;  // that may be too many: 1 %
-    constexpr double wasteful = 0.018;     // too many that are worth any number of runs, as small meshes may be
-    constexpr double is_known = 1.4;       // up to where two drafts foretell what is needed; one does to a third of that
-    constexpr double most_fewer = 1;       // by which a run goes on to fewer: as good as a whole one
-    constexpr double most_more = 0.3;    // by which it goes on to more, and loses 0.1 to 0.3 dB; each run after it wins half back
-    constexpr double is_made_up = 0.1;   // of these, up to where nothing is lost
-    constexpr double is_touched = 0.08;  // up to where little work keeps the mesh as good
-    constexpr double is_trimmed = 0.015;  // by which it may grow without annealing
-    constexpr double is_sketched = 0.6;   // up to where a sketch tells enough for the whole run
-    constexpr int most_refined = 3;       // meshes of the most vertices that come down from more
-    const auto doublings = [](double from, double to) { return std::log2(to / from); };
-    std::size_t limit = std::max(most, std::min(all, 2 * most));
-    const auto allowed = [&](double n) {
-        return std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(std::min(static_cast<double>(limit), n))));
-    };
-
-    Result rough;                              // the last one but the very last; without a mesh at first
-    const auto better_of = [&](Result last) {  // that and one that failed or was cancelled, with its status
-        if (!rough.has_mesh() || last.report.psnr >= rough.report.psnr) return last;
-        rough.status = last.status;
-        return std::move(rough);
-    };
-    // Drafts, each a tenth of a whole run, foretell about how many vertices that takes: the last of about as many.
-    std::size_t n = first;
-    std::optional<detail::PsnrCurve> curve;
-    for (int runs = 1; runs <= 4; ++runs) {
-        Result draft = mesh_from(n, {nullptr, Work::draft});
-        if (!draft.status) return better_of(std::move(draft));
-        const double reached = draft.report.psnr;
-        if (!is_finite(reached)) break;
-        if (curve) curve->pass(n, reached, false);
-        else curve.emplace(n, reached);
-        const auto count = static_cast<double>(n), needed = curve->count(psnr);
-        n = allowed(std::min(5 * count, trials.draft * needed));
-        if (std::abs(doublings(count, needed)) < (runs == 1 ? is_known / 3 : is_known) || static_cast<double>(n) == count) break;
-        rough = std::move(draft);
-    }
-    if (curve) curve->scale(trials.draft);
-    for (int runs = 0; curve && trials.sketch > 0 && runs < 2; ++runs) {
-        Result sketch = mesh_from(n, {nullptr, Work::sketch});
-        if (!sketch.status) return better_of(std::move(sketch));
-        if (!is_finite(sketch.report.psnr)) break;
-        curve->scale(1 / trials.sketch);
-        curve->shift(n, sketch.report.psnr);
-        curve->scale(trials.sketch);
-        const std::size_t before = std::exchange(n, allowed(curve->count(psnr)));
-        if (std::abs(doublings(static_cast<double>(before), static_cast<double>(n))) < is_sketched) break;
-        rough = std::move(sketch);
-    }
-
-    if (limit < all && (!curve || curve->count(psnr) > static_cast<double>(limit))) limit = most;  // more would be of no use
-    n = allowed((trials.draft < 1 ? likely_enough : 1) * static_cast<double>(n));
-    Result whole = mesh_from(n, {});
-    if (!whole.status) return better_of(std::move(whole));
-    double now = whole.report.psnr;
-    if (!curve) curve.emplace(n, now);
-    else if (is_finite(now)) curve->shift(n, now);
-    Mesh last = whole.mesh;
-    detail::BestResult best(psnr, std::move(whole));
-    double grown = 0;  // doublings by which it grew, but for what annealing has made up for since
-    double spent = 0;  // whole runs since then
-    std::size_t most_whole = n;
-    for (int runs = 1; runs < 20; ++runs) {
-        const auto count = static_cast<double>(n);
-        double needed = is_finite(now) ? curve->count(psnr) : count / 2;
-        // A curve that tells more than what has done already is wrong.
-        if (now < psnr && best.is_reached() && count < best.vertices())
-            needed = std::min(needed, std::sqrt(count * best.vertices()));
-        const double excess = doublings(needed, count);
-        // Where no more are allowed, a refinement may make up for a few that lack.
-        if (now >= psnr ? n == 4 || (excess <= near_enough && grown <= is_made_up)
-                        : n == limit && (spent >= 0.5 || excess < -is_touched))
-            break;
-        if (best.is_reached() && spent >= 0.5 && doublings(needed, best.vertices()) <= wasteful) break;
-        // Rather too many than too few, and the more so the farther away: a trim costs next to nothing.
-        double aim = needed * (1.003 + std::min(0.035, 0.07 * std::abs(excess)));
-        if (doublings(count, aim) > most_more) aim = 1.2 * needed;  // a curve that promised so much too much still does
-        std::size_t next = allowed(aim);
-        if (next == n) next = now >= psnr ? n - 1 : std::min(n + 1, limit);
-        const double growth = doublings(count, static_cast<double>(next));
-        const Work work = growth > most_more || growth < -most_fewer   ? Work::whole
-                          : std::abs(growth) > is_touched || next == n ? Work::refine
-                          : growth > is_trimmed || grown > is_made_up  ? Work::touch
-                                                                       : Work::trim;
-        Result result = mesh_from(next, {work == Work::whole ? nullptr : &last, work});
-        now = result.report.psnr;
-        Mesh reached = result.mesh;
-        if (!best.offer(std::move(result))) break;
-        if (is_finite(now)) curve->pass(next, now, goes_on(work));
-        if (work == Work::whole) most_whole = std::max(most_whole, next);
-        spent += work == Work::whole ? 1 : work == Work::refine ? 0.4 : work == Work::touch ? 0.2 : 0.1;
-        if (work == Work::whole) grown = 0;
-        else if (work != Work::trim) grown = grown / 2 + std::max(0.0, growth);
-        n = next;
-        last = std::move(reached);
-    }
-    // What went on from mesh to mesh may be stuck below the PSNR, which whole runs are not.
-    for (n = std::min(n, most); best.is_ok() && !best.is_reached() && most_whole < most; most_whole = n) {
-        n = most_whole < n ? n : std::min(most, 2 * n);
-        best.offer(mesh_from(n, {}));
-    }
-    Result found = best.take();
-    if (found.report.vertices <= most || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
-    detail::BestResult bounded(psnr, mesh_from(most, {&found.mesh, Work::refine}));
-    for (int k = 1; k < most_refined && bounded.is_ok() && !bounded.is_reached(); ++k)
-        bounded.offer(mesh_from(most, {&bounded.mesh(), Work::refine}));
-    return bounded.take();
 }
 
 /// The search of a method.
