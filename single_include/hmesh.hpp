@@ -16348,15 +16348,22 @@ class SearchProgress {
     std::array<int, 6> runs_of_{};  ///< by Work
 };
 
-/// The sentence of a search in which all went well and no mesh reached the PSNR.
-inline constexpr char psnr_not_reached[] = "no mesh of this image reached the PSNR asked for, in dB";
+/// The status of a search in which all went well and no mesh reached `psnr`, the best one `reached`; `is_bounded`: more vertices
+/// than were allowed might.
+[[nodiscard]] HMESH_COLD inline Status psnr_not_reached(double reached, double psnr, bool is_bounded) noexcept {
+    return {Errc::target_out_of_range,
+            is_bounded ? "no mesh of so few vertices reached the PSNR asked for, in dB"
+                       : "no mesh of this image reached the PSNR asked for, in dB",
+            reached, psnr};
+}
 
 namespace detail {
 
 /// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
 class BestResult {
   public:
-    explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
+    /// After a first run, of a search as psnr_not_reached() knows it.
+    BestResult(double psnr, bool is_bounded, Result first) : psnr_(psnr), is_bounded_(is_bounded), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
     [[nodiscard]] const Mesh& mesh() const noexcept { return result_.mesh; }                 ///< its mesh
@@ -16372,14 +16379,14 @@ class BestResult {
     }
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
     [[nodiscard]] HMESH_COLD Result take() {
-        if (result_.status && !is_reached())
-            result_.status = {Errc::target_out_of_range, psnr_not_reached, result_.report.psnr, psnr_};
+        if (result_.status && !is_reached()) result_.status = psnr_not_reached(result_.report.psnr, psnr_, is_bounded_);
         return std::move(result_);
     }
     [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
 
   private:
     double psnr_;
+    bool is_bounded_;
     Result result_;
 };
 
@@ -16387,10 +16394,11 @@ class BestResult {
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
-/// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with Errc::target_out_of_range;
-/// where a run fails or is cancelled, the best result until then, its own included, with the status of that run.
+/// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with psnr_not_reached(), which
+/// `is_bounded` is for; where a run fails or is cancelled, the best result until then, its own included, with the status of that
+/// run.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
-                                                       FunctionRef<Result(std::size_t n)> mesh_of) {
+                                                       FunctionRef<Result(std::size_t n)> mesh_of, bool is_bounded = false) {
     constexpr double slope = 1.6;  // dB for each doubling of the vertices
     struct Run {
         double log_n = 0, psnr = 0;
@@ -16399,7 +16407,7 @@ class BestResult {
     Run low, high;  // the most vertices that missed the PSNR, the fewest that reached it; n = 0: none yet
     Result result = mesh_of(first);
     Run run{std::log2(static_cast<double>(first)), result.report.psnr, first};
-    detail::BestResult best(psnr, std::move(result));
+    detail::BestResult best(psnr, is_bounded, std::move(result));
     int same_side = 0;  // runs in a row that fell on one side
     bool last_side = false;
     double stride = 0.1;  // in log2(n); grows while the target is not enclosed, since curves can be flat
@@ -16436,11 +16444,12 @@ class BestResult {
 /// The search of a method.
 using PsnrSearch = Result(double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
                           FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from);
-/// That of a method that cannot go on: fewest_vertices(), which `trials` and `all` mean nothing to.
+/// That of a method that cannot go on: fewest_vertices(), which `trials` mean nothing to.
 [[nodiscard]] inline Result fewest_vertices_anew(double psnr, const Trials& /*trials*/, std::size_t first, std::size_t most,
-                                                 std::size_t /*all*/,
+                                                 std::size_t all,
                                                  FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
-    return fewest_vertices(psnr, first, most, [&](std::size_t n) { return mesh_from(n, {}); });
+    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
+    return fewest_vertices(psnr, first, most, mesh_of, most < all);
 }
 
 }  // namespace hmesh::kit
@@ -16611,7 +16620,7 @@ class SearchGoingOn {
         if (!curve_) curve_.emplace(n_, reached_);
         else if (is_finite(reached_)) curve_->shift(n_, reached_);
         last_ = whole.mesh;
-        best_.emplace(psnr_, std::move(whole));
+        best_.emplace(psnr_, most_ < all_, std::move(whole));
         most_whole_ = n_;
         return true;
     }
@@ -16688,7 +16697,7 @@ class SearchGoingOn {
     [[nodiscard]] HMESH_COLD Result settle() {
         Result found = best_->take();
         if (found.report.vertices <= most_ || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
-        BestResult bounded(psnr_, mesh_from_(most_, {&found.mesh, Work::refine}));
+        BestResult bounded(psnr_, most_ < all_, mesh_from_(most_, {&found.mesh, Work::refine}));
         for (int k = 1; k < settlings && bounded.is_ok() && !bounded.is_reached(); ++k)
             bounded.offer(mesh_from_(most_, {&bounded.mesh(), Work::refine}));
         return bounded.take();
@@ -16885,7 +16894,6 @@ template <int C>
     const double pixels = subject.image->pixels();
     const auto all = static_cast<std::int64_t>(std::max(4.0, std::min(pixels, static_cast<double>(kit::max_pixels))));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
-    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
@@ -16929,10 +16937,7 @@ template <int C>
     }
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
-    Result result = search(target.value, first, most);
-    if (result.status.what == kit::psnr_not_reached && is_bounded)
-        result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, subject.samples, peak);
+    return searched(search(target.value, first, most), options, subject.samples, peak);
 }
 
 /// A recipe for images of one kind behind function references.

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string>
 #include <vector>
 
 #include "hmesh/core/status.hpp"
@@ -96,6 +97,7 @@ TEST_CASE(
     const Result result = fewest_vertices_going_on(60, trials, 250, 4000, 4000, poor);
     CHECK(result.status.code == Errc::target_out_of_range);
     CHECK(result.report.vertices == 4000);
+    CHECK(std::string(result.status.what) == "no mesh of this image reached the PSNR asked for, in dB");
     for (int k = 0; k < 6; ++k) {
         Goer goer;
         goer.cancel_at = k;
@@ -147,6 +149,7 @@ TEST_CASE(
                 const Result missed = search(psnr + 4, 0, half);
                 CHECK(missed.status.code == Errc::target_out_of_range);
                 CHECK(missed.report.vertices == half);
+                CHECK(std::string(missed.status.what) == "no mesh of so few vertices reached the PSNR asked for, in dB");
             }
 }
 

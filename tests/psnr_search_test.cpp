@@ -149,6 +149,11 @@ TEST_CASE("a target that nothing reaches ends with the best mesh there was and s
     CHECK(result.report.vertices == 1024);
     CHECK(result.status.value == 30);
     CHECK(result.status.limit == 99.125);
+    CHECK(std::string(result.status.what) == "no mesh of this image reached the PSNR asked for, in dB");
+    const auto mesh_from = [&](std::size_t n, const hmesh::kit::Beginning&) { return mesher(n); };
+    const Result bounded = hmesh::kit::fewest_vertices_anew(99.125, {}, 10, 1024, 1025, mesh_from);
+    CHECK(bounded.status.value == 30);
+    CHECK(std::string(bounded.status.what) == "no mesh of so few vertices reached the PSNR asked for, in dB");
 
     // The best one need not be the last.
     FakeMesher bent([](std::size_t n) { return n <= 100 ? 20 + 0.01 * static_cast<double>(n) : 20.5; });

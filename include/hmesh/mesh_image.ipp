@@ -177,7 +177,6 @@ template <int C>
     const double pixels = subject.image->pixels();
     const auto all = static_cast<std::int64_t>(std::max(4.0, std::min(pixels, static_cast<double>(kit::max_pixels))));
     const auto most = static_cast<std::size_t>(std::min(all, options.target.max_vertices.value_or(all)));
-    const bool is_bounded = most < static_cast<std::size_t>(all);
     const auto share = [&](double percent) {
         return std::min(most, std::max<std::size_t>(4, static_cast<std::size_t>(std::llround(pixels * percent / 100))));
     };
@@ -221,10 +220,7 @@ template <int C>
     }
     // Half way, on a logarithmic scale, from what photographs need for 32 dB to what they need for the target.
     const double first = 0.25 * std::exp2(std::max(-2.0, std::min(2.0, (target.value - 32) / 4)));
-    Result result = search(target.value, first, most);
-    if (result.status.what == kit::psnr_not_reached && is_bounded)
-        result.status.what = "no mesh of so few vertices reached the PSNR asked for, in dB";
-    return searched(std::move(result), options, subject.samples, peak);
+    return searched(search(target.value, first, most), options, subject.samples, peak);
 }
 
 /// A recipe for images of one kind behind function references.

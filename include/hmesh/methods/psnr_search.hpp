@@ -56,15 +56,22 @@ class SearchProgress {
     std::array<int, 6> runs_of_{};  ///< by Work
 };
 
-/// The sentence of a search in which all went well and no mesh reached the PSNR.
-inline constexpr char psnr_not_reached[] = "no mesh of this image reached the PSNR asked for, in dB";
+/// The status of a search in which all went well and no mesh reached `psnr`, the best one `reached`; `is_bounded`: more vertices
+/// than were allowed might.
+[[nodiscard]] HMESH_COLD inline Status psnr_not_reached(double reached, double psnr, bool is_bounded) noexcept {
+    return {Errc::target_out_of_range,
+            is_bounded ? "no mesh of so few vertices reached the PSNR asked for, in dB"
+                       : "no mesh of this image reached the PSNR asked for, in dB",
+            reached, psnr};
+}
 
 namespace detail {
 
 /// The best result of a search: of those that reach the PSNR the one of the fewest vertices, else the one of the best PSNR.
 class BestResult {
   public:
-    explicit BestResult(double psnr, Result first) : psnr_(psnr), result_(std::move(first)) {}
+    /// After a first run, of a search as psnr_not_reached() knows it.
+    BestResult(double psnr, bool is_bounded, Result first) : psnr_(psnr), is_bounded_(is_bounded), result_(std::move(first)) {}
 
     [[nodiscard]] bool is_reached() const noexcept { return result_.report.psnr >= psnr_; }  ///< whether one reached the PSNR
     [[nodiscard]] const Mesh& mesh() const noexcept { return result_.mesh; }                 ///< its mesh
@@ -80,14 +87,14 @@ class BestResult {
     }
     /// The result: Errc::target_out_of_range where all went well and none reached the PSNR.
     [[nodiscard]] HMESH_COLD Result take() {
-        if (result_.status && !is_reached())
-            result_.status = {Errc::target_out_of_range, psnr_not_reached, result_.report.psnr, psnr_};
+        if (result_.status && !is_reached()) result_.status = psnr_not_reached(result_.report.psnr, psnr_, is_bounded_);
         return std::move(result_);
     }
     [[nodiscard]] bool is_ok() const noexcept { return static_cast<bool>(result_.status); }  ///< whether the last run went well
 
   private:
     double psnr_;
+    bool is_bounded_;
     Result result_;
 };
 
@@ -95,10 +102,11 @@ class BestResult {
 
 /// Searches for the fewest vertices that reach `psnr`, in dB. mesh_of(n) makes the mesh of n vertices, 4 <= n <= most, with its
 /// status and report.psnr; the search begins with `first` vertices, in the same range, and makes at most 60 runs. Returns the
-/// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with Errc::target_out_of_range;
-/// where a run fails or is cancelled, the best result until then, its own included, with the status of that run.
+/// result of the fewest vertices that reached the PSNR; where none did, that of the best PSNR with psnr_not_reached(), which
+/// `is_bounded` is for; where a run fails or is cancelled, the best result until then, its own included, with the status of that
+/// run.
 [[nodiscard]] HMESH_COLD inline Result fewest_vertices(double psnr, std::size_t first, std::size_t most,
-                                                       FunctionRef<Result(std::size_t n)> mesh_of) {
+                                                       FunctionRef<Result(std::size_t n)> mesh_of, bool is_bounded = false) {
     constexpr double slope = 1.6;  // dB for each doubling of the vertices
     struct Run {
         double log_n = 0, psnr = 0;
@@ -107,7 +115,7 @@ class BestResult {
     Run low, high;  // the most vertices that missed the PSNR, the fewest that reached it; n = 0: none yet
     Result result = mesh_of(first);
     Run run{std::log2(static_cast<double>(first)), result.report.psnr, first};
-    detail::BestResult best(psnr, std::move(result));
+    detail::BestResult best(psnr, is_bounded, std::move(result));
     int same_side = 0;  // runs in a row that fell on one side
     bool last_side = false;
     double stride = 0.1;  // in log2(n); grows while the target is not enclosed, since curves can be flat
@@ -144,11 +152,12 @@ class BestResult {
 /// The search of a method.
 using PsnrSearch = Result(double psnr, const Trials& trials, std::size_t first, std::size_t most, std::size_t all,
                           FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from);
-/// That of a method that cannot go on: fewest_vertices(), which `trials` and `all` mean nothing to.
+/// That of a method that cannot go on: fewest_vertices(), which `trials` mean nothing to.
 [[nodiscard]] inline Result fewest_vertices_anew(double psnr, const Trials& /*trials*/, std::size_t first, std::size_t most,
-                                                 std::size_t /*all*/,
+                                                 std::size_t all,
                                                  FunctionRef<Result(std::size_t n, const Beginning& from)> mesh_from) {
-    return fewest_vertices(psnr, first, most, [&](std::size_t n) { return mesh_from(n, {}); });
+    const auto mesh_of = [&](std::size_t n) { return mesh_from(n, {}); };
+    return fewest_vertices(psnr, first, most, mesh_of, most < all);
 }
 
 }  // namespace hmesh::kit

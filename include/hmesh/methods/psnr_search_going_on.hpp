@@ -171,7 +171,7 @@ class SearchGoingOn {
         if (!curve_) curve_.emplace(n_, reached_);
         else if (is_finite(reached_)) curve_->shift(n_, reached_);
         last_ = whole.mesh;
-        best_.emplace(psnr_, std::move(whole));
+        best_.emplace(psnr_, most_ < all_, std::move(whole));
         most_whole_ = n_;
         return true;
     }
@@ -248,7 +248,7 @@ class SearchGoingOn {
     [[nodiscard]] HMESH_COLD Result settle() {
         Result found = best_->take();
         if (found.report.vertices <= most_ || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
-        BestResult bounded(psnr_, mesh_from_(most_, {&found.mesh, Work::refine}));
+        BestResult bounded(psnr_, most_ < all_, mesh_from_(most_, {&found.mesh, Work::refine}));
         for (int k = 1; k < settlings && bounded.is_ok() && !bounded.is_reached(); ++k)
             bounded.offer(mesh_from_(most_, {&bounded.mesh(), Work::refine}));
         return bounded.take();
