@@ -215,7 +215,7 @@ void flip_edges(benchmark::State& state) {  // an edge of the mesh
 }
 
 void bounded_colors(benchmark::State& state) {  // a vertex
-    on_copies(state, [](ImageMesh<channels>& mesh) { hmesh::kit::bounded_colors(mesh, 0, 255, 1); });
+    on_copies(state, [](ImageMesh<channels>& mesh) { hmesh::kit::bounded_colors(mesh, {0, 255, 1}); });
     per_item(state, static_cast<std::size_t>(state.iterations()) * fixture().vertices.size());
 }
 

@@ -15729,6 +15729,14 @@ template <int C>
 #include <cstddef>
 
 namespace hmesh::kit {
+
+/// The values that the channels of a vertex's colour may have.
+struct ColorRange {
+    double low = 0,  ///< smallest stored value, or -infinity
+        high = 0,    ///< largest stored value, or infinity
+        grid = 0;    ///< where above 0, values are multiples of it, of which one must lie in [low, high]
+};
+
 /// The report of bounded_colors().
 struct BoundedReport {
     int sweeps = 0;           ///< over all vertices, without the grid; at most 20
@@ -15768,14 +15776,14 @@ struct ColorSystem {
     }
 };
 
-/// The multiples of a grid step in [low, high], as the range [first, last] of their integer factors.
+/// The multiples of a range's grid in it, as the range [first, last] of their integer factors.
 struct GridRange {
     double grid, first, last;
-    /// The multiples of `step` > 0 in [low, high]; first > last: there are none.
-    GridRange(double low, double high, double step) noexcept
-        : grid(step), first(std::ceil(low / step)), last(std::floor(high / step)) {
-        if (first * grid < low) first += 1;  // the division may have rounded the wrong way
-        if (last * grid > high) last -= 1;
+    /// Of a range with a grid > 0; first > last: there are none.
+    explicit GridRange(ColorRange range) noexcept
+        : grid(range.grid), first(std::ceil(range.low / grid)), last(std::floor(range.high / grid)) {
+        if (first * grid < range.low) first += 1;  // the division may have rounded the wrong way
+        if (last * grid > range.high) last -= 1;
     }
     /// The multiple nearest to `value`, held to the range.
     [[nodiscard]] double nearest(double value) const noexcept {
@@ -15783,13 +15791,13 @@ struct GridRange {
     }
 };
 
-/// Moves a colour to the nearest in [low, high] that is, where grid > 0, a multiple of it.
+/// Moves a colour to the nearest that a range allows.
 template <int C>
-void to_allowed(Color<C>& color, double low, double high, double grid) noexcept {
-    clamp_channels<C>(color, low, high);
-    if (!(grid > 0)) return;
-    const GridRange range(low, high, grid);
-    for (int c = 0; c < C; ++c) color.set(c, range.nearest(color[c]));
+void to_allowed(Color<C>& color, ColorRange range) noexcept {
+    clamp_channels<C>(color, range.low, range.high);
+    if (!(range.grid > 0)) return;
+    const GridRange steps(range);
+    for (int c = 0; c < C; ++c) color.set(c, steps.nearest(color[c]));
 }
 
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
@@ -15815,24 +15823,23 @@ template <int C>
     return system;
 }
 
-/// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
-/// the one that puts the colours on the grid.
+/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on() before each
+/// sweep but the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, Array<Color<C>>& colors,
-                      FunctionRef<bool()> go_on) {
-    HMESH_ASSERT(low <= high && grid >= 0);
+BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
+    HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     double scale = 0;
     for (const Color<C>& c : colors)
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double max_change = grid > 0 ? grid / 16 : 1e-7 * scale;
+    const double max_change = range.grid > 0 ? range.grid / 16 : 1e-7 * scale;
     while (report.sweeps < max_sweeps && !report.converged && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
-            detail::clamp_channels<C>(next, low, high);
+            detail::clamp_channels<C>(next, range.low, range.high);
             for (int k = 0; k < C; ++k) largest = std::max(largest, std::abs(next[k] - c[k]));
             c = next;
         });
@@ -15840,22 +15847,22 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         report.converged = largest <= max_change;
     }
 
-    if (grid > 0) {
-        const detail::GridRange range(low, high, grid);
-        HMESH_ASSERT(range.first <= range.last);
+    if (range.grid > 0) {
+        const detail::GridRange steps(range);
+        HMESH_ASSERT(steps.first <= steps.last);
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
-            for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
+            for (int k = 0; k < C; ++k) c.set(k, steps.nearest(c[k] + step[k]));
         });
         // The nearest multiple is the best one, since the error along one channel is a parabola. Steps of half the grid
         // are ties and not taken, or rounding could move two colours back and forth.
-        const double half = grid * (0.5 + 1e-9);
+        const double half = range.grid * (0.5 + 1e-9);
         report.converged = false;
         while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
                     if (!(std::abs(step[k]) > half)) continue;
-                    const double next = range.nearest(c[k] + step[k]);
+                    const double next = steps.nearest(c[k] + step[k]);
                     changed = changed || next != c[k];
                     c.set(k, next);
                 }
@@ -15869,18 +15876,16 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-/// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
-/// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
-/// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels. Locked vertices keep colours that are in the range and on the grid.
+/// Gives all vertices colours that a range allows. Coordinate descent (projected Gauss-Seidel) from the current colours: first
+/// without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a vertex
+/// at 3 channels. Locked vertices keep colours that the range allows.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
-                                        const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {}) {
     Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));
-        detail::clamp_channels<C>(colors.back(), low, high);
+        detail::clamp_channels<C>(colors.back(), range.low, range.high);
     }
     auto system =
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
@@ -15889,7 +15894,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
-    const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
+    const BoundedReport report = detail::descend(system, range, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
 }
@@ -16130,7 +16135,7 @@ HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, Fun
 /// image's colour there, as if that were a quarter of a pixel: the few pixels beside the seam would else leave some of them free
 /// to be anything, which shows as a spike where the picture is enlarged.
 template <int C>
-HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
     Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
@@ -16149,7 +16154,7 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     Array<Point> tie_points;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
-        clamp_channels<C>(colors.back(), low, high);
+        clamp_channels<C>(colors.back(), range.low, range.high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
@@ -16165,7 +16170,7 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
-    const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
+    const BoundedReport report = descend(system, range, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     return {report, measure_finally(tiled, tiling)};
 }
@@ -16180,7 +16185,7 @@ struct SummedFaces {
 /// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among the `parts`.
 template <int C>
 HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& is_solved,
-                           const std::vector<SummedFaces<C>>& parts, double low, double high, double grid, double ridge) {
+                           const std::vector<SummedFaces<C>>& parts, ColorRange range, double ridge) {
     constexpr std::uint32_t none = 0xffffffffU;
     Array<std::uint32_t> row_of(colors.size(), none), vertex_of, rows;
     Array<CornerSums<C>> corners;
@@ -16199,7 +16204,7 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
     auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
     for (std::size_t k = 0; k < vertex_of.size(); ++k)
         if (is_solved[vertex_of[k]] != 0) system.hold(k);
-    (void)descend(system, low, high, grid, its, [] { return true; });
+    (void)descend(system, range, its, [] { return true; });
     for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
 }
 
@@ -16207,10 +16212,10 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
 /// first those that are free in one tiling, then once more those that are free in another, which has other seams. What a seam
 /// holds is felt a few rings of vertices away. Vertices that are free in neither come last, all at once.
 template <int C>
-HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
     IndexedMesh<C>& mesh = tiled.indexed();
-    for (Color<C>& color : mesh.colors) to_allowed<C>(color, low, high, grid);
+    for (Color<C>& color : mesh.colors) to_allowed<C>(color, range);
     BoundedReport report;
     Array<unsigned char> is_solved(mesh.vertex_count(), 0);
     for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v) is_solved[v] = mesh.is_on_border(v) ? 1 : 0;
@@ -16221,7 +16226,7 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
         rest.resize(tiling.size());
         tiled.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
             ImageMesh<C>& part = patch.mesh();
-            reports[k] = bounded_colors(part, low, high, grid);
+            reports[k] = bounded_colors(part, range);
             // No other tile reads or writes what is known of this one's free vertices.
             for (const Face f : part.topology().faces()) {
                 const auto vertices = part.topology().vertices(f);
@@ -16248,7 +16253,7 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
             report.rounding_sweeps = std::max(report.rounding_sweeps, one.rounding_sweeps);
         }
     }
-    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, low, high, grid, tiled.limits().ridge);
+    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, range, tiled.limits().ridge);
     return report;
 }
 
@@ -16274,22 +16279,21 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
     return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 
-/// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Colours of small images are found for the whole mesh,
-/// those of others in tiles of `tile` px. After a cancellation colours are only clamped and rounded, and the energy is still true
-/// of them.
+/// Gives all vertices the colours of least squared error that a range allows (solve/bounded_colors.hpp), and measures the mesh's
+/// energy with them. Colours of small images are found for the whole mesh, those of others in tiles of `tile` px. After a
+/// cancellation colours are only clamped and rounded, and the energy is still true of them.
 template <int C>
-HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
     const Tiling tiling(source.width(), source.height(), tile);
-    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
+    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, range);
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
-            out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
             if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
-    out.bounded = detail::colors_by_tiles(tiled, tile, low, high, grid);
+    out.bounded = detail::colors_by_tiles(tiled, tile, range);
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;
 }
@@ -16832,7 +16836,7 @@ template <int C>
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::FinalColors done = colors == Colors::sampled
                                       ? sample_colors(tiled, tile, grid)
-                                      : bounded_colors(tiled, tile, source.low(), source.high(), grid);
+                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
@@ -17792,7 +17796,7 @@ class LinearLight {
     /// Appends a vertex with this stored value, held to [0, peak] and, where grid > 0, to the grid.
     void add(ChannelLight& to, std::size_t k, double stored, double grid) const {
         stored = std::max(0.0, std::min(mesh_.peak, stored));
-        if (grid > 0) stored = GridRange(0, mesh_.peak, grid).nearest(stored);
+        if (grid > 0) stored = GridRange({0, mesh_.peak, grid}).nearest(stored);
         to.stored.push_back(static_cast<float>(stored));
         const double share = static_cast<double>(to.stored.back()) / mesh_.peak;
         to.light.push_back(is_encoded(k) ? srgb_to_linear(share) : share);

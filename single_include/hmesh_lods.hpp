@@ -662,9 +662,9 @@ class NestedColors {
         }
         return out;
     }
-    /// Fits the colours to all levels within [low, high], multiples of `grid` where grid > 0; each level is weighted by its share
-    /// coarser_weight^k over its error as it is now. Repeated, this makes the weighted sum of the errors' logarithms least.
-    HMESH_COLD void fit(double low, double high, double grid, double coarser_weight) {
+    /// Fits the colours, within a range, to all levels; each is weighted by its share coarser_weight^k over its error as it is now.
+    /// Repeated, this makes the weighted sum of the errors' logarithms least.
+    HMESH_COLD void fit(ColorRange range, double coarser_weight) {
         kit::Array<double> weights = energies();
         const double most = *std::max_element(weights.begin(), weights.end());
         double sum = 0, share = 1;
@@ -674,7 +674,7 @@ class NestedColors {
             share *= coarser_weight;
         }
         for (double& weight : weights) weight *= static_cast<double>(weights.size()) / sum;
-        (void)descend(weighted_sum(systems_, weights), low, high, grid, colors_, [] { return true; });
+        (void)descend(weighted_sum(systems_, weights), range, colors_, [] { return true; });
     }
 
   private:
@@ -735,7 +735,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
                                      parallel_for);
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     for (int round = 0; round < 3; ++round)
-        fit.fit(source.low(), source.high(), round < 2 ? 0 : grid, nested_options.coarser_weight);
+        fit.fit({source.low(), source.high(), round < 2 ? 0 : grid}, nested_options.coarser_weight);
     const kit::Array<double> energies = fit.energies();
     nested.colors = fit.colors();
     nested.faces = faces.front();

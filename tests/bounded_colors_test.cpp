@@ -36,7 +36,7 @@ TEST_CASE("vertices without pixels keep their colour") {
     const double kept[3] = {17, 200, 93};
     for (int k = 0; k < 3; ++k) colors[blind_vertex].set(k, kept[k]);
     s.mesh.set_colors(colors);
-    bounded_colors(s.mesh, 0, 255, 1);
+    bounded_colors(s.mesh, {0, 255, 1});
     for (int k = 0; k < 3; ++k) CHECK(s.mesh.color(blind)[k] == kept[k]);
     CHECK(s.mesh.energy() > 0);
 
@@ -46,7 +46,7 @@ TEST_CASE("vertices without pixels keep their colour") {
     const double odd[3] = {-40, 99.6, 300}, allowed[3] = {0, 100, 255};
     for (int k = 0; k < 3; ++k) colors[blind_vertex].set(k, odd[k]);
     t.mesh.set_colors(colors);
-    bounded_colors(t.mesh, 0, 255, 1);
+    bounded_colors(t.mesh, {0, 255, 1});
     for (int k = 0; k < 3; ++k) CHECK(t.mesh.color(blind)[k] == allowed[k]);
 }
 
@@ -59,7 +59,7 @@ TEST_CASE("where the best colour lies far out of range, bounded colours stay in 
         s.mesh.assign({{0, 0}, {1.25, 0}, {16, 0}, {16, 16}, {0, 16}, {0, 1.25}}, {{0, 1, 5}, {1, 2, 3}, {1, 3, 5}, {5, 3, 4}}));
     optimal_colors(s.mesh);
     REQUIRE_FALSE(all_allowed(s.mesh, 0, 255, 0));
-    bounded_colors(s.mesh, 0, 255, 1);
+    bounded_colors(s.mesh, {0, 255, 1});
     CHECK(all_allowed(s.mesh, 0, 255, 1));
 }
 
@@ -70,7 +70,7 @@ TEST_CASE("no single step of one channel lowers the energy of bounded colours") 
         test::jitter(s.mesh, 6, 5, 60, seed);
         optimal_colors(s.mesh);
         const double grid = seed % 2 == 0 ? 1 : 4, low = 40, high = 200;
-        const hmesh::kit::BoundedReport report = bounded_colors(s.mesh, low, high, grid);
+        const hmesh::kit::BoundedReport report = bounded_colors(s.mesh, {low, high, grid});
         REQUIRE(report.converged);
         CHECK(s.mesh.check());
         CHECK(all_allowed(s.mesh, low, high, grid));
@@ -90,7 +90,7 @@ TEST_CASE("bounded colours without a grid are the minimum over the box: the grad
     Sample<float, 3> s(test::noise<float, 3>(60, 50, 7), no_ridge());
     test::jitter(s.mesh, 9, 7, 0, 7);
     optimal_colors(s.mesh);
-    CHECK(bounded_colors(s.mesh, 0, 1, 0).sweeps > 2);
+    CHECK(bounded_colors(s.mesh, {0, 1, 0}).sweeps > 2);
     CHECK(all_allowed(s.mesh, 0, 1, 0));
     const MatrixXd b = image_rhs(s.mesh), c = color_matrix(s.mesh), gradient = gram_matrix(s.mesh) * c - b;
     int at_bounds = 0;
@@ -117,7 +117,7 @@ TEST_CASE("bounding costs energy, but little on a smooth image, and less than ro
     s.mesh.set_colors(rounded);
     const double plain = s.mesh.energy();
     s.mesh.set_colors(optimum);
-    bounded_colors(s.mesh, 0, 255, 1);
+    bounded_colors(s.mesh, {0, 255, 1});
     CHECK(all_allowed(s.mesh, 0, 255, 1));
     CHECK(s.mesh.energy() >= best * (1 - 1e-12));
     CHECK(s.mesh.energy() < best * 1.01);
@@ -131,21 +131,21 @@ TEST_CASE("bounds may be infinite, as large as floats go, a single value, or off
     const double best = s.mesh.energy();
     const double infinity = std::numeric_limits<double>::infinity(), large = std::numeric_limits<float>::max();
     for (const double bound : {infinity, large}) {
-        bounded_colors(s.mesh, -bound, bound, 0);
+        bounded_colors(s.mesh, {-bound, bound, 0});
         CHECK(s.mesh.energy() <= best * (1 + 1e-9));
-        bounded_colors(s.mesh, -bound, bound, 0.125);
+        bounded_colors(s.mesh, {-bound, bound, 0.125});
         CHECK(all_allowed(s.mesh, -bound, bound, 0.125));
         CHECK(s.mesh.energy() < 1.05 * best);
     }
-    bounded_colors(s.mesh, 0.3, 1.1, 0.25);
+    bounded_colors(s.mesh, {0.3, 1.1, 0.25});
     CHECK(all_allowed(s.mesh, 0.5, 1, 0.25));
     // In doubles 41 * 0.01 is above 0.41 and 48 * 0.01 below the number after 0.48, but divisions say otherwise.
-    bounded_colors(s.mesh, 0, 0.41, 0.01);
+    bounded_colors(s.mesh, {0, 0.41, 0.01});
     CHECK(all_allowed(s.mesh, 0, 0.41, 0));
     const double above = std::nextafter(0.48, 1);
-    bounded_colors(s.mesh, above, 1, 0.01);
+    bounded_colors(s.mesh, {above, 1, 0.01});
     CHECK(all_allowed(s.mesh, above, 1, 0));
-    bounded_colors(s.mesh, 0.375, 0.375, 0);
+    bounded_colors(s.mesh, {0.375, 0.375, 0});
     CHECK(all_allowed(s.mesh, 0.375, 0.375, 0));
     CHECK(s.mesh.check());
 }
@@ -157,8 +157,8 @@ TEST_CASE("any number of channels, and any executor, gives the same colours to t
     optimal_colors(s.mesh);
     optimal_colors(t.mesh, {}, test::BackwardFor());
     bool same = s.mesh.energy() == t.mesh.energy();
-    bounded_colors(s.mesh, 10, 255, 1);
-    bounded_colors(t.mesh, 10, 255, 1, test::BackwardFor());
+    bounded_colors(s.mesh, {10, 255, 1});
+    bounded_colors(t.mesh, {10, 255, 1}, test::BackwardFor());
     same = same && s.mesh.energy() == t.mesh.energy();
     for (const hmesh::kit::Vertex v : s.mesh.topology().vertices())
         for (int k = 0; k < 8; ++k) same = same && s.mesh.color(v)[k] == t.mesh.color(v)[k];
@@ -177,8 +177,8 @@ TEST_CASE("any number of channels, and any executor, gives the same colours to t
     const auto own = colors_of(alone.mesh);
     for (std::size_t i = 0; i < colors.size(); ++i) colors[i].set(2, own[i][0]);
     all.mesh.set_colors(colors);
-    bounded_colors(alone.mesh, 0, 255, 1);
-    bounded_colors(all.mesh, 0, 255, 1);
+    bounded_colors(alone.mesh, {0, 255, 1});
+    bounded_colors(all.mesh, {0, 255, 1});
     std::size_t different = 0;
     for (const hmesh::kit::Vertex v : all.mesh.topology().vertices()) different += all.mesh.color(v)[2] != alone.mesh.color(v)[0];
     CHECK(different <= all.mesh.vertex_count() / 50);  // sweeps stop by the largest change in any channel

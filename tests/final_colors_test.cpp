@@ -18,6 +18,7 @@
 using hmesh::Image;
 using hmesh::kit::bounded_colors;
 using hmesh::kit::BoundedReport;
+using hmesh::kit::ColorRange;
 using hmesh::kit::IndexedMesh;
 using hmesh::kit::Point;
 using hmesh::kit::sample_colors;
@@ -50,11 +51,11 @@ void check_sampled(const Image<T, C>& image, hmesh_test::Shape shape, double gri
 }
 
 template <int C>
-void check_allowed(const IndexedMesh<C>& mesh, double low, double high, double grid) {
+void check_allowed(const IndexedMesh<C>& mesh, ColorRange range) {
     for (const hmesh::kit::Color<C>& color : mesh.colors)
         for (int c = 0; c < C; ++c) {
-            REQUIRE((color[c] >= low && color[c] <= high));
-            if (grid > 0) REQUIRE(color[c] == grid * std::round(color[c] / grid));
+            REQUIRE((color[c] >= range.low && color[c] <= range.high));
+            if (range.grid > 0) REQUIRE(color[c] == range.grid * std::round(color[c] / range.grid));
         }
 }
 
@@ -63,60 +64,60 @@ std::vector<Point> in_order(std::vector<Point> points) {
     return points;
 }
 
-// The same by the best colours in [low, high]: they are as good whatever the tiles, and any executor finds them.
+// The same by the best colours of a range: they are as good whatever the tiles, and any executor finds them.
 template <class T, int C>
-void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, double low, double high, double grid) {
+void check_bounded(const Image<T, C>& image, hmesh_test::Shape shape, ColorRange range) {
     const IndexedMesh<C> start = hmesh_test::make_indexed(image, shape, 120, 1);
     double best = 0;
     for (const double tile : {1000.0, 25.0, 9.0}) {
         const hmesh_test::ThreadFor two{2};
         hmesh_test::Work<T, C> work(image), threads(image, {}, {}, two);
         work.tiled.indexed() = threads.tiled.indexed() = start;
-        const BoundedReport report = bounded_colors(work.tiled, tile, low, high, grid).bounded;
+        const BoundedReport report = bounded_colors(work.tiled, tile, range).bounded;
         CHECK(report.sweeps > 1);
-        CHECK((report.rounding_sweeps > 0) == (grid > 0));
+        CHECK((report.rounding_sweeps > 0) == (range.grid > 0));
         hmesh_test::prove(work);  // its energy among others
         const IndexedMesh<C>& mesh = work.indexed();
         CHECK(in_order(mesh.positions) == in_order(start.positions));  // one tile numbers them anew
         CHECK(mesh.faces.size() == start.faces.size());
-        check_allowed(mesh, low, high, grid);
+        check_allowed(mesh, range);
         if (tile == 1000) best = mesh.energy;
         CHECK(mesh.energy == doctest::Approx(best).epsilon(1e-3));
-        bounded_colors(threads.tiled, tile, low, high, grid);
+        bounded_colors(threads.tiled, tile, range);
         CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
     }
 }
 
 // The same for images that have no table of their own, in tiles of `tile` px: as good to `loss` of the energy.
 template <class T, int C>
-void check_by_tiles(const Image<T, C>& image, double tile, double low, double high, double grid, double loss) {
+void check_by_tiles(const Image<T, C>& image, double tile, ColorRange range, double loss) {
     const IndexedMesh<C> start = hmesh_test::make_indexed(image, hmesh_test::Shape::delaunay, 600, 1);
     const hmesh_test::ThreadFor two{2};
     hmesh_test::Work<T, C> whole(image), work(image), threads(image, {}, {}, two);
     whole.tiled.indexed() = work.tiled.indexed() = threads.tiled.indexed() = start;
-    bounded_colors(whole.tiled, tile, low, high, grid);
-    const BoundedReport report = hmesh::kit::detail::colors_by_tiles(work.tiled, tile, low, high, grid);
+    bounded_colors(whole.tiled, tile, range);
+    const BoundedReport report = hmesh::kit::detail::colors_by_tiles(work.tiled, tile, range);
     CHECK(report.sweeps > 1);
-    CHECK((report.rounding_sweeps > 0) == (grid > 0));
+    CHECK((report.rounding_sweeps > 0) == (range.grid > 0));
     const IndexedMesh<C>& mesh = work.indexed();
     CHECK(mesh.positions == start.positions);
     CHECK(mesh.faces == start.faces);
-    check_allowed(mesh, low, high, grid);
+    check_allowed(mesh, range);
     const double before = hmesh_test::brute_energy(image, start), best = hmesh_test::brute_energy(image, whole.indexed());
     const double energy = hmesh_test::brute_energy(image, mesh);
     CHECK(energy < before);
     CHECK(energy <= best + loss * (before - best));
-    hmesh::kit::detail::colors_by_tiles(threads.tiled, tile, low, high, grid);
+    hmesh::kit::detail::colors_by_tiles(threads.tiled, tile, range);
     CHECK(hmesh_test::same_bits(threads.indexed(), mesh));
 
     hmesh_test::Work<T, C> held(image);
     held.tiled.indexed() = start;
     held.tiled.indexed().has_fixed_border = true;
-    hmesh::kit::detail::colors_by_tiles(held.tiled, tile, low, high, grid);
+    hmesh::kit::detail::colors_by_tiles(held.tiled, tile, range);
     for (std::size_t v = 0; v < start.vertex_count(); ++v) {
         if (!start.is_on_border(v)) continue;
         hmesh::kit::Color<C> allowed = start.colors[v];
-        hmesh::kit::detail::to_allowed<C>(allowed, low, high, grid);
+        hmesh::kit::detail::to_allowed<C>(allowed, range);
         for (int c = 0; c < C; ++c) REQUIRE(held.indexed().colors[v][c] == allowed[c]);
     }
 }
@@ -124,10 +125,10 @@ void check_by_tiles(const Image<T, C>& image, double tile, double low, double hi
 }  // namespace
 
 TEST_CASE("colours that are found tile by tile are allowed, nearly as good as those of the whole mesh, and change nothing else") {
-    check_by_tiles(hmesh_test::scene<std::uint8_t, 3>(160, 120, 1), 60, 0, 255, 1, 0.02);
-    check_by_tiles(hmesh_test::noise<std::uint8_t, 1>(160, 120, 2), 60, 60, 190, 1, 0.02);
-    check_by_tiles(hmesh_test::scene<float, 4>(160, 120, 4), 60, 0, 1, 0, 0.02);
-    check_by_tiles(hmesh_test::scene<float, 2>(100, 80, 5), 1000, 0, 1, 0, 1e-3);
+    check_by_tiles(hmesh_test::scene<std::uint8_t, 3>(160, 120, 1), 60, {0, 255, 1}, 0.02);
+    check_by_tiles(hmesh_test::noise<std::uint8_t, 1>(160, 120, 2), 60, {60, 190, 1}, 0.02);
+    check_by_tiles(hmesh_test::scene<float, 4>(160, 120, 4), 60, {0, 1, 0}, 0.02);
+    check_by_tiles(hmesh_test::scene<float, 2>(100, 80, 5), 1000, {0, 1, 0}, 1e-3);
 }
 
 TEST_CASE("a mesh in tiles has sampled colours in steps of the grid, and the energy of its pixels, however it is cut") {
@@ -139,10 +140,10 @@ TEST_CASE("a mesh in tiles has sampled colours in steps of the grid, and the ene
 }
 
 TEST_CASE("a mesh in tiles gets colours in their range and on their grid, as good as in one tile, and the energy of its pixels") {
-    check_bounded(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, 0, 255, 1);
-    check_bounded(hmesh_test::noise<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, 60, 190, 1);
-    check_bounded(hmesh_test::scene<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::grid, 0, 65535, 0);
-    check_bounded(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, 0, 1, 0);
+    check_bounded(hmesh_test::scene<std::uint8_t, 3>(60, 45, 1), hmesh_test::Shape::worn, {0, 255, 1});
+    check_bounded(hmesh_test::noise<std::uint8_t, 1>(60, 45, 2), hmesh_test::Shape::delaunay, {60, 190, 1});
+    check_bounded(hmesh_test::scene<std::uint16_t, 2>(40, 45, 3), hmesh_test::Shape::grid, {0, 65535, 0});
+    check_bounded(hmesh_test::scene<float, 4>(50, 30, 4), hmesh_test::Shape::scattered, {0, 1, 0});
 }
 
 TEST_CASE("told to stop, colours go to the nearest that are allowed, and the energy is true of them") {
@@ -153,10 +154,10 @@ TEST_CASE("told to stop, colours go to the nearest that are allowed, and the ene
         hmesh_test::Work<std::uint8_t, 3> work(image, {}, stop);
         work.tiled.indexed() = start;
         REQUIRE_FALSE(work.progress.poll());
-        bounded_colors(work.tiled, tile, 50, 200, 1);
+        bounded_colors(work.tiled, tile, {50, 200, 1});
         hmesh_test::prove(work);
         const IndexedMesh<3>& mesh = work.indexed();
-        check_allowed(mesh, 50, 200, 1);
+        check_allowed(mesh, {50, 200, 1});
         for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
             for (int c = 0; c < 3; ++c) {
                 const double held = std::min(200.0, std::max(50.0, start.colors[v][c]));

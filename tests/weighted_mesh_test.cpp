@@ -82,7 +82,7 @@ void optimise(Weighted<T, C>& subject, std::uint64_t seed) {
     }
     kit::optimal_colors(mesh);
     prove();
-    kit::bounded_colors(mesh, 0, range, PixelTraits<T>::is_integer ? 1 : 0);
+    kit::bounded_colors(mesh, {0, range, PixelTraits<T>::is_integer ? 1.0 : 0.0});
     prove();
 }
 

@@ -115,7 +115,7 @@ template <int C>
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     const kit::FinalColors done = colors == Colors::sampled
                                       ? sample_colors(tiled, tile, grid)
-                                      : bounded_colors(tiled, tile, source.low(), source.high(), grid);
+                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());

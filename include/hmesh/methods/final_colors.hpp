@@ -67,7 +67,7 @@ HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, Fun
 /// image's colour there, as if that were a quarter of a pixel: the few pixels beside the seam would else leave some of them free
 /// to be anything, which shows as a spike where the picture is enlarged.
 template <int C>
-HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, double low, double high, double grid) {
+HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
     Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
@@ -86,7 +86,7 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     Array<Point> tie_points;
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
-        clamp_channels<C>(colors.back(), low, high);
+        clamp_channels<C>(colors.back(), range.low, range.high);
         if (!source.has_straight_seams() || tiled.progress().stopped()) continue;
         const Point p = mesh.positions[v];
         if ((wraps_x(mesh.periodic) && std::fmod(p.x, mesh.width) == 0) ||
@@ -102,7 +102,7 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, do
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
-    const BoundedReport report = descend(system, low, high, grid, colors, [&] { return tiled.progress().poll(); });
+    const BoundedReport report = descend(system, range, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     return {report, measure_finally(tiled, tiling)};
 }
@@ -117,7 +117,7 @@ struct SummedFaces {
 /// bounded_colors() of some of a mesh's vertices, those with is_solved[v] == 0, all of whose faces are among the `parts`.
 template <int C>
 HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& is_solved,
-                           const std::vector<SummedFaces<C>>& parts, double low, double high, double grid, double ridge) {
+                           const std::vector<SummedFaces<C>>& parts, ColorRange range, double ridge) {
     constexpr std::uint32_t none = 0xffffffffU;
     Array<std::uint32_t> row_of(colors.size(), none), vertex_of, rows;
     Array<CornerSums<C>> corners;
@@ -136,7 +136,7 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
     auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
     for (std::size_t k = 0; k < vertex_of.size(); ++k)
         if (is_solved[vertex_of[k]] != 0) system.hold(k);
-    (void)descend(system, low, high, grid, its, [] { return true; });
+    (void)descend(system, range, its, [] { return true; });
     for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
 }
 
@@ -144,10 +144,10 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
 /// first those that are free in one tiling, then once more those that are free in another, which has other seams. What a seam
 /// holds is felt a few rings of vertices away. Vertices that are free in neither come last, all at once.
 template <int C>
-HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
     IndexedMesh<C>& mesh = tiled.indexed();
-    for (Color<C>& color : mesh.colors) to_allowed<C>(color, low, high, grid);
+    for (Color<C>& color : mesh.colors) to_allowed<C>(color, range);
     BoundedReport report;
     Array<unsigned char> is_solved(mesh.vertex_count(), 0);
     for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v) is_solved[v] = mesh.is_on_border(v) ? 1 : 0;
@@ -158,7 +158,7 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
         rest.resize(tiling.size());
         tiled.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
             ImageMesh<C>& part = patch.mesh();
-            reports[k] = bounded_colors(part, low, high, grid);
+            reports[k] = bounded_colors(part, range);
             // No other tile reads or writes what is known of this one's free vertices.
             for (const Face f : part.topology().faces()) {
                 const auto vertices = part.topology().vertices(f);
@@ -185,7 +185,7 @@ HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, doubl
             report.rounding_sweeps = std::max(report.rounding_sweeps, one.rounding_sweeps);
         }
     }
-    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, low, high, grid, tiled.limits().ridge);
+    if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, range, tiled.limits().ridge);
     return report;
 }
 
@@ -211,22 +211,21 @@ HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double gr
     return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
 }
 
-/// Gives all vertices the colours of least squared error in [low, high] that are multiples of `grid` where grid > 0
-/// (solve/bounded_colors.hpp), and measures the mesh's energy with them. Colours of small images are found for the whole mesh,
-/// those of others in tiles of `tile` px. After a cancellation colours are only clamped and rounded, and the energy is still true
-/// of them.
+/// Gives all vertices the colours of least squared error that a range allows (solve/bounded_colors.hpp), and measures the mesh's
+/// energy with them. Colours of small images are found for the whole mesh, those of others in tiles of `tile` px. After a
+/// cancellation colours are only clamped and rounded, and the energy is still true of them.
 template <int C>
-HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, double low, double high, double grid) {
+HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
     const Tiling tiling(source.width(), source.height(), tile);
-    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, low, high, grid);
+    if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, range);
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
-            out.bounded = bounded_colors(patch.mesh(), low, high, grid, tiled.parallel_for());
+            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
             if (source.is_integer()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
-    out.bounded = detail::colors_by_tiles(tiled, tile, low, high, grid);
+    out.bounded = detail::colors_by_tiles(tiled, tile, range);
     out.max_error = detail::measure_finally(tiled, tiling);
     return out;
 }

@@ -75,7 +75,7 @@ class LatticeMesh {
             move_round();
             flip_round();
         }
-        (void)kit::bounded_colors(mesh_, 0.0, 255.0, 0.0);
+        (void)kit::bounded_colors(mesh_, {0, 255});
         return true;
     }
     /// The mesh as the file has it.

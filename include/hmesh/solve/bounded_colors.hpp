@@ -25,6 +25,14 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+/// The values that the channels of a vertex's colour may have.
+struct ColorRange {
+    double low = 0,  ///< smallest stored value, or -infinity
+        high = 0,    ///< largest stored value, or infinity
+        grid = 0;    ///< where above 0, values are multiples of it, of which one must lie in [low, high]
+};
+
 /// The report of bounded_colors().
 struct BoundedReport {
     int sweeps = 0;           ///< over all vertices, without the grid; at most 20
@@ -64,14 +72,14 @@ struct ColorSystem {
     }
 };
 
-/// The multiples of a grid step in [low, high], as the range [first, last] of their integer factors.
+/// The multiples of a range's grid in it, as the range [first, last] of their integer factors.
 struct GridRange {
     double grid, first, last;
-    /// The multiples of `step` > 0 in [low, high]; first > last: there are none.
-    GridRange(double low, double high, double step) noexcept
-        : grid(step), first(std::ceil(low / step)), last(std::floor(high / step)) {
-        if (first * grid < low) first += 1;  // the division may have rounded the wrong way
-        if (last * grid > high) last -= 1;
+    /// Of a range with a grid > 0; first > last: there are none.
+    explicit GridRange(ColorRange range) noexcept
+        : grid(range.grid), first(std::ceil(range.low / grid)), last(std::floor(range.high / grid)) {
+        if (first * grid < range.low) first += 1;  // the division may have rounded the wrong way
+        if (last * grid > range.high) last -= 1;
     }
     /// The multiple nearest to `value`, held to the range.
     [[nodiscard]] double nearest(double value) const noexcept {
@@ -79,13 +87,13 @@ struct GridRange {
     }
 };
 
-/// Moves a colour to the nearest in [low, high] that is, where grid > 0, a multiple of it.
+/// Moves a colour to the nearest that a range allows.
 template <int C>
-void to_allowed(Color<C>& color, double low, double high, double grid) noexcept {
-    clamp_channels<C>(color, low, high);
-    if (!(grid > 0)) return;
-    const GridRange range(low, high, grid);
-    for (int c = 0; c < C; ++c) color.set(c, range.nearest(color[c]));
+void to_allowed(Color<C>& color, ColorRange range) noexcept {
+    clamp_channels<C>(color, range.low, range.high);
+    if (!(range.grid > 0)) return;
+    const GridRange steps(range);
+    for (int c = 0; c < C; ++c) color.set(c, steps.nearest(color[c]));
 }
 
 /// The system of a mesh with this topology and these corner sums (fit/squared_error.hpp); `colors`, one a row, become the anchor.
@@ -111,24 +119,23 @@ template <int C>
     return system;
 }
 
-/// The descent of bounded_colors(): improves `colors`, which lie in [low, high], one a row. Asks go_on() before each sweep but
-/// the one that puts the colours on the grid.
+/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on() before each
+/// sweep but the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, double low, double high, double grid, Array<Color<C>>& colors,
-                      FunctionRef<bool()> go_on) {
-    HMESH_ASSERT(low <= high && grid >= 0);
+BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
+    HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     double scale = 0;
     for (const Color<C>& c : colors)
         for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
 
     BoundedReport report;
-    const double max_change = grid > 0 ? grid / 16 : 1e-7 * scale;
+    const double max_change = range.grid > 0 ? range.grid / 16 : 1e-7 * scale;
     while (report.sweeps < max_sweeps && !report.converged && go_on()) {
         double largest = 0;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
-            detail::clamp_channels<C>(next, low, high);
+            detail::clamp_channels<C>(next, range.low, range.high);
             for (int k = 0; k < C; ++k) largest = std::max(largest, std::abs(next[k] - c[k]));
             c = next;
         });
@@ -136,22 +143,22 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
         report.converged = largest <= max_change;
     }
 
-    if (grid > 0) {
-        const detail::GridRange range(low, high, grid);
-        HMESH_ASSERT(range.first <= range.last);
+    if (range.grid > 0) {
+        const detail::GridRange steps(range);
+        HMESH_ASSERT(steps.first <= steps.last);
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
-            for (int k = 0; k < C; ++k) c.set(k, range.nearest(c[k] + step[k]));
+            for (int k = 0; k < C; ++k) c.set(k, steps.nearest(c[k] + step[k]));
         });
         // The nearest multiple is the best one, since the error along one channel is a parabola. Steps of half the grid
         // are ties and not taken, or rounding could move two colours back and forth.
-        const double half = grid * (0.5 + 1e-9);
+        const double half = range.grid * (0.5 + 1e-9);
         report.converged = false;
         while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
                     if (!(std::abs(step[k]) > half)) continue;
-                    const double next = range.nearest(c[k] + step[k]);
+                    const double next = steps.nearest(c[k] + step[k]);
                     changed = changed || next != c[k];
                     c.set(k, next);
                 }
@@ -165,18 +172,16 @@ BoundedReport descend(const ColorSystem<C>& system, double low, double high, dou
 
 }  // namespace detail
 
-/// Gives all vertices colours in [low, high], stored values whose bounds may be infinite; where grid > 0, colours become
-/// multiples of it, of which one must lie in the range. Coordinate descent (projected Gauss-Seidel) from the current colours:
-/// first without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a
-/// vertex at 3 channels. Locked vertices keep colours that are in the range and on the grid.
+/// Gives all vertices colours that a range allows. Coordinate descent (projected Gauss-Seidel) from the current colours: first
+/// without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a vertex
+/// at 3 channels. Locked vertices keep colours that the range allows.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double high, double grid,
-                                        const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {}) {
     Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
         colors.push_back(mesh.color(v));
-        detail::clamp_channels<C>(colors.back(), low, high);
+        detail::clamp_channels<C>(colors.back(), range.low, range.high);
     }
     auto system =
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
@@ -185,7 +190,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, double low, double h
         if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
-    const BoundedReport report = detail::descend(system, low, high, grid, colors, [] { return true; });
+    const BoundedReport report = detail::descend(system, range, colors, [] { return true; });
     detail::write_colors(mesh, colors, parallel_for);
     return report;
 }

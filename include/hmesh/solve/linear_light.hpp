@@ -187,7 +187,7 @@ class LinearLight {
     /// Appends a vertex with this stored value, held to [0, peak] and, where grid > 0, to the grid.
     void add(ChannelLight& to, std::size_t k, double stored, double grid) const {
         stored = std::max(0.0, std::min(mesh_.peak, stored));
-        if (grid > 0) stored = GridRange(0, mesh_.peak, grid).nearest(stored);
+        if (grid > 0) stored = GridRange({0, mesh_.peak, grid}).nearest(stored);
         to.stored.push_back(static_cast<float>(stored));
         const double share = static_cast<double>(to.stored.back()) / mesh_.peak;
         to.light.push_back(is_encoded(k) ? srgb_to_linear(share) : share);

@@ -130,7 +130,7 @@ void improve_colors(ImageMesh<C>& mesh, const PcgOptions& options, const Paralle
     optimal_colors(mesh, options, parallel_for);
     if (mesh.energy() <= before) return;
     write_colors(mesh, colors, parallel_for);
-    bounded_colors(mesh, mesh.color_low(), mesh.color_high(), 0, parallel_for);
+    bounded_colors(mesh, {mesh.color_low(), mesh.color_high()}, parallel_for);
 }
 
 /// Moves v toward `target`, the first of 1, 1/2, .. 1/32 of the way with which no face around it folds over. Returns whether v
