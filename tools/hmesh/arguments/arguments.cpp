@@ -41,7 +41,7 @@ std::string set_file(const std::string& text, std::string& file) {
 
 std::string find_too_few(std::int64_t vertices) { return vertices >= 4 ? "" : "must be at least 4, the corners of an image"; }
 
-void add_mesh_options(CLI::App& app, Arguments& out) {
+void add_file_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("Mesh files");
     add_list(app, "-o,--output", "FILE",
              "write the mesh; may be given more than once, and the ending chooses the format:\n"
@@ -89,7 +89,9 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
     app.add_flag_callback(
         "--no-original", [&] { out.original = false; },
         "leave the image out of .html, of which it is the larger part: nothing to compare with");
+}
 
+void add_target_options(CLI::App& app, Arguments& out) {
     app.option_defaults()->group("How many vertices, one of");
     CLI::Option* vertices = add(app, "--vertices", "N", "the mesh has N vertices", [&](const std::string& text) {
         std::int64_t count = 0;
@@ -642,7 +644,8 @@ CommandLine parse(const std::vector<std::string>& words) {
         ->expected(1, CLI::detail::expected_max_vector_size)
         ->allow_extra_args()
         ->required();
-    add_mesh_options(app, arguments);
+    add_file_options(app, arguments);
+    add_target_options(app, arguments);
     add_meshing_options(app, arguments);
     add_sprite_options(app, arguments);
     add_other_options(app, arguments);
