@@ -177,40 +177,40 @@ std::string least_text(const std::vector<WrittenPsnr>& written, double psnr) {
     return ", of which " + output_words(least->file) + " keeps " + psnr_text(least->psnr);
 }
 
+// What the steps from an image to the files of its mesh share.
+struct MeshJob {
+    MeshJob(const Arguments& given, bool is_of_several)
+        : arguments(given), is_one_of_several(is_of_several), watch(!given.quiet && is_terminal(stderr)), outputs(given.folders) {
+    }
+
+    Arguments arguments;
+    bool is_one_of_several;
+    ProgressWatch watch;
+    Inputs inputs;
+    bool is_set = false;  // whether there are several maps
+    OutputSet outputs;
+    MeshingOptions options;  // those of the arguments, with what the inputs and the command add
+    Made made;
+};
+
 // The files of an outline of the image, in place of a mesh.
-Failure make_outline(const Arguments& arguments, bool is_one_of_several, const ImageFile& image, OutputSet& outputs,
-                     ProgressWatch& watch) {
+Failure make_outline(MeshJob& job) {
+    Arguments& arguments = job.arguments;
+    const ImageFile& image = job.inputs.image;
+    if (arguments.alpha >= 0) arguments.outline_options.threshold = arguments.alpha;
+    job.watch.begin_mesh(0.03 * image.width * image.height, 0.03 * image.width * image.height, 1);
     const hmesh::Outline outline = outline_file(image, arguments.outline_options);
-    const double seconds = watch.seconds();
+    const double seconds = job.watch.seconds();
     if (!outline.status) return {"the outline of " + input_words(arguments.input) + ": " + in_words(outline.status)};
     const auto report = [&](bool is_wanted, Layout layout) {
         return is_wanted ? outline_json(arguments, image, outline, seconds, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_outline_files(arguments, image, outline, file_report, outputs); !why.empty()) return {why};
-    watch.finish();
+    if (std::string why = write_outline_files(arguments, image, outline, file_report, job.outputs); !why.empty()) return {why};
+    job.watch.finish();
     std::string why = tell(arguments, report(arguments.json, Layout::one_line),
-                           [&](std::FILE* to) { print_outline(to, arguments, image, outline, is_one_of_several, seconds); });
+                           [&](std::FILE* to) { print_outline(to, arguments, image, outline, job.is_one_of_several, seconds); });
     return why.empty() ? Failure() : Failure{why, true, true};
-}
-
-// What is done to all levels once they are meshed: faces of sprites are dropped, and colours found for linear light. Returns ""
-// or what went wrong.
-std::string finish_levels(const Arguments& arguments, const ImageFile& image, const MeshingOptions& options, bool is_set,
-                          const hmesh::ParallelFor& parallel_for, ProgressWatch& watch, Made& made) {
-    for (Level& level : made.levels) {
-        if (!arguments.sprite) break;
-        level.sprite = drop_faces(image, options, level.outcome, parallel_for);
-        if (!level.sprite->status) return in_words(level.sprite->status);
-    }
-    if (!has_output(arguments, ".glb") || options.fit_space == FitSpace::linear || options.premultiplied || is_set ||
-        image.rectangles)
-        return {};
-    watch.step("linear light", light_work(image));
-    for (Level& level : made.levels)
-        if (&level == &made.levels.front() || options.fit_space == FitSpace::each)
-            level.light = light_mesh(image, options, level.outcome.mesh, parallel_for);
-    return {};
 }
 
 // The files and pictures of a mesh that was read.
@@ -230,115 +230,186 @@ Failure convert(Arguments arguments, bool is_one_of_several, const std::vector<u
     return why.empty() ? Failure() : Failure{why, true, true};
 }
 
-Failure make_mesh(Arguments arguments, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
-    ProgressWatch watch(!arguments.quiet && is_terminal(stderr));
-    Inputs inputs;
-    OutputSet outputs(arguments.folders);
-    if (!arguments.out_of_core)  // else it is read as it is meshed
-        if (const std::string why = read_file(arguments.input, inputs.bytes); !why.empty())
-            return {"cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why)};
-    if (is_mesh({inputs.bytes.data(), inputs.bytes.size()})) return convert(arguments, is_one_of_several, inputs.bytes, watch);
-    if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
-    const ImageFile& image = inputs.image;
-    if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)
-        if (std::string why = find_too_many_levels(arguments.meshing, budget(arguments.meshing.target, image)); !why.empty())
-            return {input_words(arguments.input) + ": " + why};
-    if (std::string why = outputs.test(output_files(arguments)); !why.empty()) return {why};
-    if (arguments.outline) {
-        if (arguments.alpha >= 0) arguments.outline_options.threshold = arguments.alpha;
-        watch.begin_mesh(0.03 * image.width * image.height, 0.03 * image.width * image.height, 1);
-        return make_outline(arguments, is_one_of_several, image, outputs, watch);
-    }
+// The options that the mesh is made with, and the estimates of how long that takes. Returns "" or what went wrong.
+std::string settle_options(MeshJob& job, const hmesh::ParallelFor& parallel_for) {
+    Arguments& arguments = job.arguments;
+    const ImageFile& image = job.inputs.image;
     if (arguments.sprite) {
         arguments.meshing.premultiplied = arguments.meshing.premultiplied || hmesh::kit::has_alpha(image.channels);
         arguments.meshing.transparent = arguments.alpha >= 0 ? arguments.alpha : default_transparent;
     }
-    if (arguments.meshing.bytes > 0 && image.bits != 8)
-        return {input_words(arguments.input) + ": --bytes makes files of 8-bit colours, and the image has " +
-                std::to_string(image.bits) + " bits a sample"};
-    if (!pool)
-        if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
-
-    MeshingOptions options = arguments.meshing;
-    options.progress = watch;
+    MeshingOptions& options = job.options;
+    options = arguments.meshing;
+    options.progress = job.watch;
     options.position_step = position_step(arguments, image);
-    options.channel_weights = inputs.channel_weights;
-    if (!arguments.weights.empty()) options.weights = inputs.weights.view();
-    const hmesh::ParallelFor parallel_for = *pool;
-    watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
-    if (arguments.balances_maps) {
-        MeshingOptions trial = options;
-        const auto go_on = [](const hmesh::ProgressInfo&) { return !interrupted; };
-        trial.progress = go_on;
-        balance_maps(image, trial, parallel_for, inputs.maps);
-        for (const Map& map : inputs.maps) arguments.channel_weights.push_back(map.weight);
-        if (std::string why = spread_weights(arguments.channel_weights, inputs.maps, image, options.channel_weights);
-            !why.empty())
-            return {why};
-    }
-    const WrittenFiles files(arguments, image, options, parallel_for);
-    const bool is_set = !inputs.maps.empty();
-    if (options.target.kind == hmesh::Target::Kind::psnr && !is_set) options.psnr_of = files;
-    Made made;
-    hmesh::Lods lods;
-    if (options.bytes == 0) lods = mesh_levels(image, options, *pool);
-    hmesh::Result outcome = options.bytes == 0 ? first_level(lods) : fit_bytes(image, options, *pool, made.file);
-    const bool is_interrupted = outcome.status.code == hmesh::Errc::cancelled;
-    if (is_interrupted && arguments.keep_partial) {
-        interrupted = false;
-        keep_budget(image, options, *pool, outcome);
-    }
-    made.seconds = watch.seconds();
-    watch.end_mesh();
+    options.channel_weights = job.inputs.channel_weights;
+    if (!arguments.weights.empty()) options.weights = job.inputs.weights.view();
+    job.watch.begin_mesh(0.03 * image.width * image.height, meshing_work(image, options), writing_work(arguments, image));
+    if (!arguments.balances_maps) return {};
+    MeshingOptions trial = options;
+    const auto go_on = [](const hmesh::ProgressInfo&) { return !interrupted; };
+    trial.progress = go_on;
+    balance_maps(image, trial, parallel_for, job.inputs.maps);
+    for (const Map& map : job.inputs.maps) arguments.channel_weights.push_back(map.weight);
+    return spread_weights(arguments.channel_weights, job.inputs.maps, image, options.channel_weights);
+}
 
-    const std::string unread =
-        image.rectangles && outcome.status.code == hmesh::Errc::read_failed ? ": " + image.rectangles->why() : "";
-    const std::string sentence = what_is_made(arguments) + ": " + in_words(outcome.status) + unread;
-    if (!outcome.has_mesh()) return {sentence, false, is_interrupted};
-    if (is_interrupted && !arguments.keep_partial)
-        return {sentence + "; nothing is written" + (options.levels > 1 ? "" : ", as --keep-partial is not given"), false, true};
+// What meshing came to.
+struct Meshed {
+    hmesh::Result outcome;  // of the finest level
+    hmesh::Lods coarser;    // its levels are the others
+    bool is_interrupted = false;
+    std::string sentence;  // what is made, and the status
+};
+
+Meshed mesh_inputs(MeshJob& job, const hmesh::ParallelFor& parallel_for) {
+    const ImageFile& image = job.inputs.image;
+    const MeshingOptions& options = job.options;
+    Meshed out;
+    if (options.bytes == 0) out.coarser = mesh_levels(image, options, parallel_for);
+    out.outcome = options.bytes == 0 ? first_level(out.coarser) : fit_bytes(image, options, parallel_for, job.made.file);
+    out.is_interrupted = out.outcome.status.code == hmesh::Errc::cancelled;
+    if (out.is_interrupted && job.arguments.keep_partial) {
+        interrupted = false;
+        keep_budget(image, options, parallel_for, out.outcome);
+    }
+    job.made.seconds = job.watch.seconds();
+    job.watch.end_mesh();
+    const hmesh::Status& status = out.outcome.status;
+    const std::string unread = image.rectangles && status.code == hmesh::Errc::read_failed ? ": " + image.rectangles->why() : "";
+    out.sentence = what_is_made(job.arguments) + ": " + in_words(status) + unread;
+    return out;
+}
+
+// Why nothing is written of what meshing came to, if nothing is.
+Failure find_unwritable(const MeshJob& job, const Meshed& meshed) {
+    const Arguments& arguments = job.arguments;
+    const MeshingOptions& options = job.options;
+    const hmesh::Result& outcome = meshed.outcome;
+    if (!outcome.has_mesh()) return {meshed.sentence, false, meshed.is_interrupted};
+    if (meshed.is_interrupted && !arguments.keep_partial) {
+        const char* const hint = options.levels > 1 ? "" : ", as --keep-partial is not given";
+        return {meshed.sentence + "; nothing is written" + hint, false, true};
+    }
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
-        return {sentence + "; nothing is written, as --depfile asks for whole results", false, is_interrupted};
+        return {meshed.sentence + "; nothing is written, as --depfile asks for whole results", false, meshed.is_interrupted};
     // The mesh of four corners has not the sides that were asked for.
     if (options.border_tolerance && outcome.status.code == hmesh::Errc::target_out_of_range && outcome.report.vertices == 4)
-        return {sentence + "; nothing is written"};
+        return {meshed.sentence + "; nothing is written"};
     if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
         return {input_words(arguments.input) + ": " + why + "; nothing is written"};
-    made.levels.emplace_back().outcome = std::move(outcome);
-    for (hmesh::Result& level : lods.levels) made.levels.emplace_back().outcome = std::move(level);
-    if (std::string why = finish_levels(arguments, image, options, is_set, *pool, watch, made); !why.empty())
-        return {what_is_made(arguments) + ": " + why};
-    for (MeshFile& mesh : arguments.meshes)  // what was made of the levels, where it ended early
-        mesh.coarser.resize(std::min(mesh.coarser.size(), made.levels.size() - 1));
-    const auto& [finest, light, sprite] = made.finest();
-    const hmesh::Status& status = finest.status;
-    const bool has_missed = options.psnr_of && status.code == hmesh::Errc::target_out_of_range;
-    const bool is_summed_up = !arguments.quiet && !is_one_of_several;
-    if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed) {
-        if (is_set) measure_maps(finest.mesh, image, options.weights, inputs.maps);
-        else if (!image.rectangles) made.written = files.measure(finest.mesh, finest.report.psnr, light);
+    return {};
+}
+
+// Takes all levels as what is made: faces of sprites are dropped, and colours found for linear light. Returns "" or what went
+// wrong.
+std::string finish_levels(MeshJob& job, Meshed& meshed, const hmesh::ParallelFor& parallel_for) {
+    const ImageFile& image = job.inputs.image;
+    const MeshingOptions& options = job.options;
+    std::vector<Level>& levels = job.made.levels;
+    levels.emplace_back().outcome = std::move(meshed.outcome);
+    for (hmesh::Result& level : meshed.coarser.levels) levels.emplace_back().outcome = std::move(level);
+    for (MeshFile& mesh : job.arguments.meshes)  // what was made of the levels, where it ended early
+        mesh.coarser.resize(std::min(mesh.coarser.size(), levels.size() - 1));
+    for (Level& level : levels) {
+        if (!job.arguments.sprite) break;
+        level.sprite = drop_faces(image, options, level.outcome, parallel_for);
+        if (!level.sprite->status) return in_words(level.sprite->status);
     }
-    made.maps = std::move(inputs.maps);
+    if (!has_output(job.arguments, ".glb") || options.fit_space == FitSpace::linear || options.premultiplied || job.is_set ||
+        image.rectangles)
+        return {};
+    job.watch.step("linear light", light_work(image));
+    for (Level& level : levels)
+        if (&level == &levels.front() || options.fit_space == FitSpace::each)
+            level.light = light_mesh(image, options, level.outcome.mesh, parallel_for);
+    return {};
+}
+
+// Whether the mesh is that of a search in which no file reached the PSNR.
+bool has_missed(const MeshJob& job) {
+    return job.options.psnr_of && job.made.finest().outcome.status.code == hmesh::Errc::target_out_of_range;
+}
+
+// Measures the finest level as the files hold it, where that is told.
+void measure_finest(MeshJob& job, const WrittenFiles& files) {
+    const Arguments& arguments = job.arguments;
+    const Level& finest = job.made.finest();
+    const hmesh::Result& outcome = finest.outcome;
+    const bool is_summed_up = !arguments.quiet && !job.is_one_of_several;
+    if (is_summed_up || arguments.json || !arguments.report.empty() || has_missed(job)) {
+        if (job.is_set) measure_maps(outcome.mesh, job.inputs.image, job.options.weights, job.inputs.maps);
+        else if (!job.inputs.image.rectangles) job.made.written = files.measure(outcome.mesh, outcome.report.psnr, finest.light);
+    }
+    job.made.maps = std::move(job.inputs.maps);
+}
+
+// Writes all files of what is made, and says what it is.
+Failure write_and_tell(MeshJob& job, const Meshed& meshed) {
+    const Arguments& arguments = job.arguments;
+    const ImageFile& image = job.inputs.image;
+    const Made& made = job.made;
     const auto report = [&](bool is_wanted, Layout layout) {
-        return is_wanted ? report_json(arguments, image, made, watch, layout) : std::string();
+        return is_wanted ? report_json(arguments, image, made, job.watch, layout) : std::string();
     };
     const std::string file_report = report(!arguments.report.empty(), Layout::indented);
-    if (std::string why = write_files(arguments, is_set ? inputs.first : image, inputs.bytes, made, file_report, outputs, watch);
+    if (std::string why = write_files(arguments, job.is_set ? job.inputs.first : image, job.inputs.bytes, made, file_report,
+                                      job.outputs, job.watch);
         !why.empty())
-        return {why, false, is_interrupted};
-    watch.finish();
+        return {why, false, meshed.is_interrupted};
+    job.watch.finish();
     const std::string json_line = report(arguments.json, Layout::one_line);
     std::string untold = tell(arguments, json_line, [&](std::FILE* to) {
-        if (is_one_of_several) print_line(to, arguments, image, made);
+        if (job.is_one_of_several) print_line(to, arguments, image, made);
         else print_summary(to, arguments, image, made);
     });
     if (!untold.empty()) return {untold, true, true};
-    if (status) return {};
-    return {sentence + "; the mesh reached so far, " + std::to_string(finest.report.vertices) + " vertices and " +
-                psnr_text(finest.report.psnr) + (has_missed ? least_text(made.written, finest.report.psnr) : "") + ", " +
+    const hmesh::Result& finest = made.finest().outcome;
+    if (finest.status) return {};
+    return {meshed.sentence + "; the mesh reached so far, " + std::to_string(finest.report.vertices) + " vertices and " +
+                psnr_text(finest.report.psnr) + (has_missed(job) ? least_text(made.written, finest.report.psnr) : "") + ", " +
                 (output_files(arguments).empty() ? "is as above" : "is written"),
-            true, is_interrupted};
+            true, meshed.is_interrupted};
+}
+
+// Why the image cannot be meshed as it is asked for, as far as that is known before; empty: it can.
+std::string find_unmeshable(const Arguments& arguments, const ImageFile& image) {
+    if (arguments.meshing.bytes == 0 || image.bits == 8) return {};
+    return input_words(arguments.input) + ": --bytes makes files of 8-bit colours, and the image has " +
+           std::to_string(image.bits) + " bits a sample";
+}
+
+Failure make_mesh(const Arguments& given, bool is_one_of_several, std::optional<example::ThreadPool>& pool) {
+    MeshJob job(given, is_one_of_several);
+    const Arguments& arguments = job.arguments;
+    Inputs& inputs = job.inputs;
+    if (!arguments.out_of_core)  // else it is read as it is meshed
+        if (const std::string why = read_file(arguments.input, inputs.bytes); !why.empty())
+            return {"cannot read " + input_words(arguments.input) + ": " + (interrupted ? "interrupted" : why)};
+    if (is_mesh({inputs.bytes.data(), inputs.bytes.size()}))
+        return convert(arguments, is_one_of_several, inputs.bytes, job.watch);
+    if (std::string why = read_inputs(arguments, inputs); !why.empty()) return {why};
+    job.is_set = !inputs.maps.empty();
+    const ImageFile& image = inputs.image;
+    if (arguments.meshing.target.kind != hmesh::Target::Kind::psnr)
+        if (std::string why = find_too_many_levels(arguments.meshing, budget(arguments.meshing.target, image)); !why.empty())
+            return {input_words(arguments.input) + ": " + why};
+    if (std::string why = job.outputs.test(output_files(arguments)); !why.empty()) return {why};
+    if (arguments.outline) return make_outline(job);
+    if (std::string why = find_unmeshable(arguments, image); !why.empty()) return {why};
+    if (!pool)
+        if (std::string why = start(pool, arguments.threads); !why.empty()) return {why, false, true};
+
+    const hmesh::ParallelFor parallel_for = *pool;
+    if (std::string why = settle_options(job, parallel_for); !why.empty()) return {why};
+    const WrittenFiles files(arguments, image, job.options, parallel_for);
+    if (job.options.target.kind == hmesh::Target::Kind::psnr && !job.is_set) job.options.psnr_of = files;
+    Meshed meshed = mesh_inputs(job, parallel_for);
+    if (Failure failure = find_unwritable(job, meshed); !failure.why.empty()) return failure;
+    if (std::string why = finish_levels(job, meshed, parallel_for); !why.empty()) return {what_is_made(arguments) + ": " + why};
+    measure_finest(job, files);
+    return write_and_tell(job, meshed);
 }
 
 }  // namespace
