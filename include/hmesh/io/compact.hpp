@@ -235,6 +235,34 @@ class CompactWriter {
         if (step == 0) step = std::max(head_.frame_width, head_.frame_height);
         head_.step = is_bare_wanted && step % 256 == 0 ? 256 : step;
     }
+    // Points of the lattice around one that need not be on it.
+    struct NearbySites {
+        std::array<std::vector<std::int32_t>, 2> along;  // their coordinates on either axis
+        std::vector<GridPoint> points;
+        kit::Array<kit::Coded> nearest;  // their numbers by distance; of those equally far the one further left, then up
+    };
+    // Those within `reach` steps on both axes; what is on a side stays there.
+    void find_sites(GridPoint from, std::int64_t reach, NearbySites& out) const {
+        const std::int64_t step = head_.step;
+        const auto find_along = [&](std::int32_t place, std::int64_t side, std::vector<std::int32_t>& along) {
+            along.clear();
+            if (place == 0 || place == side) return along.push_back(place);
+            for (std::int64_t k = place / step - reach + 1; k <= place / step + reach; ++k)
+                if (k > 0 && k * step < side) along.push_back(static_cast<std::int32_t>(k * step));
+        };
+        find_along(from.x, head_.frame_width, out.along[0]);
+        find_along(from.y, head_.frame_height, out.along[1]);
+        out.points.clear();
+        out.nearest.clear();
+        for (const std::int32_t x : out.along[0])
+            for (const std::int32_t y : out.along[1]) {
+                const std::int64_t dx = x - from.x, dy = y - from.y;
+                out.nearest.push_back(
+                    {static_cast<std::uint64_t>(dx * dx + dy * dy), static_cast<std::uint32_t>(out.points.size())});
+                out.points.push_back({x, y});
+            }
+        kit::sort_by_code(out.nearest);
+    }
     // Moves all vertices to the lattice, one after the other, so that the mesh is one at any time.
     [[nodiscard]] Status move_to_lattice() {
         if (head_.periodic != Periodic::none)
@@ -247,12 +275,11 @@ class CompactWriter {
                         static_cast<std::int64_t>(f)};
             for (const std::uint32_t v : mesh_->faces[f]) faces_at[v].push_back(static_cast<std::uint32_t>(f));
         }
-        const std::int64_t step = head_.step;
-        const std::array<std::int64_t, 2> sides{head_.frame_width, head_.frame_height};
         const auto is_free = [&](std::size_t v) {
             return std::all_of(faces_at[v].begin(), faces_at[v].end(),
                                [&](std::uint32_t f) { return area(mesh_->faces[f]) > 0; });
         };
+        NearbySites sites;
         std::vector<std::size_t> left(places_.size()), still;
         std::iota(left.begin(), left.end(), std::size_t{0});
         for (std::int64_t reach = 1; !left.empty(); reach *= 2) {
@@ -260,26 +287,10 @@ class CompactWriter {
             still.clear();
             for (const std::size_t v : left) {
                 const GridPoint from = places_[v];
-                std::vector<GridPoint> points;
-                kit::Array<kit::Coded> nearest;  // of those equally far the one further left, then up
-                const auto along = [&](std::int32_t place, std::size_t axis) {
-                    std::vector<std::int32_t> sites;
-                    if (place == 0 || place == sides[axis]) return sites = {place};
-                    for (std::int64_t k = place / step - reach + 1; k <= place / step + reach; ++k)
-                        if (k > 0 && k * step < sides[axis]) sites.push_back(static_cast<std::int32_t>(k * step));
-                    return sites;
-                };
-                for (const std::int32_t x : along(from.x, 0))
-                    for (const std::int32_t y : along(from.y, 1)) {
-                        const std::int64_t dx = x - from.x, dy = y - from.y;
-                        nearest.push_back(
-                            {static_cast<std::uint64_t>(dx * dx + dy * dy), static_cast<std::uint32_t>(points.size())});
-                        points.push_back({x, y});
-                    }
-                kit::sort_by_code(nearest);
+                find_sites(from, reach, sites);
                 bool is_found = false;
-                for (const kit::Coded& choice : nearest) {
-                    places_[v] = points[choice.number];
+                for (const kit::Coded& choice : sites.nearest) {
+                    places_[v] = sites.points[choice.number];
                     is_found = is_free(v);
                     if (is_found) break;
                 }
