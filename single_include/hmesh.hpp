@@ -2642,7 +2642,8 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
 // ---- hmesh/core/srgb.hpp
 
 /// \file
-/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity.
+/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity; and
+/// which of a colour's channels it is not for: alpha.
 ///
 /// Nothing but sums, products, quotients and square roots, which are the same on all machines; the last bit of std::pow differs
 /// between standard libraries. About 10 ns a call.
@@ -2652,6 +2653,9 @@ inline Status write_eps(const MeshView& source, Sink sink, const PageOptions& op
 #include <cmath>
 
 namespace hmesh::kit {
+
+/// Whether the last of this number of channels is alpha.
+[[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
 
 /// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
 /// twelfth power of the fifth root, found by Newton's method.
@@ -3514,7 +3518,7 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     if (group.meaning == ChannelGroup::Meaning::color) {
         int set = 0;
         for (const GlbAttribute& before : primitive.attributes) set += before.set >= 0 ? 1 : 0;
-        material.blends = material.blends || (set == 0 && group.channels % 2 == 0);
+        material.blends = material.blends || (set == 0 && kit::has_alpha(group.channels));
         primitive.attributes.push_back({"COLOR", out.add({Kind::colors, first, group.channels}, number, 4, vertices), set});
     } else if (group.meaning == ChannelGroup::Meaning::normal) {
         const auto vectors = !options.quantized_positions ? GlbNumber::f32 : is_narrow ? GlbNumber::i8 : GlbNumber::i16;
@@ -6003,8 +6007,6 @@ namespace kit {
 
 /// The largest number of channels of an image.
 inline constexpr int max_channels = 16;
-/// Whether the last of this number of channels is alpha.
-[[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
 /// Whether alpha, of which `peak` is full, is above a threshold in 255ths of full alpha: by a millionth, since floats that are to
 /// be at the threshold are rounded by up to 6e-8 of it.
 [[nodiscard]] constexpr bool is_alpha_above(double alpha, double threshold, double peak) noexcept {

@@ -1606,7 +1606,9 @@ class ColorCoder {
     /// no colour.
     bool code(const Triangulation& mesh, const std::vector<bool>& used, std::vector<std::uint32_t>& colors) {
         const std::size_t n = mesh.point_count();
-        const bool is_rgb = channels_ >= 3 && most_<65536, has_alpha = channels_ % 2 == 0, is_coarse = coarse_->step> 0;
+        const bool is_rgb = channels_ >= 3 && most_ < 65536;
+        const bool is_coarse = coarse_->step > 0;
+        const bool begins_with_alpha = kit::has_alpha(static_cast<int>(channels_));
         if (is_coarse && coder_->writes()) choice_ = ColorChoice(mesh, used, coarse_->wanted, channels_);
         std::size_t last = n;  // the vertex coded before
         for (std::size_t v = 0; v < n; ++v) {
@@ -1625,7 +1627,7 @@ class ColorCoder {
             std::array<std::size_t, 2> before{};  // sizes of the differences of two channels before
             std::array<std::size_t, 2> turns{};   // and their signs: 0, 1 above, 2 below
             for (std::size_t k = 0; k < channels_; ++k) {
-                const std::size_t channel = has_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
+                const std::size_t channel = begins_with_alpha ? (k == 0 ? channels_ - 1 : k - 1) : k;
                 const bool is_difference = is_rgb && (channel == 1 || channel == 2);
                 Plane plane{channel, is_difference ? 2 * most_ : most_, 1, 0};
                 if (is_coarse) plane.most = CoarseColors::most, plane.step = coarse_->step_of(share, channel, is_rgb);
@@ -4265,7 +4267,7 @@ template <class T, int C>
         out.status = {Errc::invalid_argument, "an image in so many bytes is meshed anew: there is no mesh to start from"};
     if (out.status) out.status = kit::check_finite(view, parallel_for);
     if (!out.status) return out;
-    if constexpr (C % 2 == 0) {
+    if constexpr (kit::has_alpha(C)) {
         if (options.premultiplied) {
             const Image<T, C> copy = kit::premultiply(view, parallel_for);
             return detail::find_compact_image(copy.view(), options, recipe, parallel_for);

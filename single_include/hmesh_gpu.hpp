@@ -786,7 +786,7 @@ namespace detail {
     layout.topology = options.topology;
     layout.restart = options.index == GpuIndexFormat::uint16 ? 0xffffU : 0xffffffffU;
     layout.width = mesh.right(), layout.height = mesh.bottom();
-    layout.has_alpha = mesh.channels % 2 == 0;
+    layout.has_alpha = kit::has_alpha(mesh.channels);
     layout.premultiplied = layout.has_alpha &&
                            (options.alpha == GpuAlpha::as_stored ? mesh.premultiplied : options.alpha == GpuAlpha::premultiplied);
     if (options.position == GpuFormat::float32x2) return layout;

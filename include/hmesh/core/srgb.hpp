@@ -1,5 +1,6 @@
 /// \file
-/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity.
+/// The sRGB transfer function of IEC 61966-2-1, both ways: between stored values and light, as shares of full intensity; and
+/// which of a colour's channels it is not for: alpha.
 ///
 /// Nothing but sums, products, quotients and square roots, which are the same on all machines; the last bit of std::pow differs
 /// between standard libraries. About 10 ns a call.
@@ -11,6 +12,9 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
+
+/// Whether the last of this number of channels is alpha.
+[[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
 
 /// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
 /// twelfth power of the fifth root, found by Newton's method.

@@ -14,6 +14,7 @@
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -24,8 +25,6 @@ namespace kit {
 
 /// The largest number of channels of an image.
 inline constexpr int max_channels = 16;
-/// Whether the last of this number of channels is alpha.
-[[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
 /// Whether alpha, of which `peak` is full, is above a threshold in 255ths of full alpha: by a millionth, since floats that are to
 /// be at the threshold are rounded by up to 6e-8 of it.
 [[nodiscard]] constexpr bool is_alpha_above(double alpha, double threshold, double peak) noexcept {

@@ -206,7 +206,7 @@ HMESH_COLD inline void add_group(GlbMesh& out, GlbPrimitive& primitive, GlbMater
     if (group.meaning == ChannelGroup::Meaning::color) {
         int set = 0;
         for (const GlbAttribute& before : primitive.attributes) set += before.set >= 0 ? 1 : 0;
-        material.blends = material.blends || (set == 0 && group.channels % 2 == 0);
+        material.blends = material.blends || (set == 0 && kit::has_alpha(group.channels));
         primitive.attributes.push_back({"COLOR", out.add({Kind::colors, first, group.channels}, number, 4, vertices), set});
     } else if (group.meaning == ChannelGroup::Meaning::normal) {
         const auto vectors = !options.quantized_positions ? GlbNumber::f32 : is_narrow ? GlbNumber::i8 : GlbNumber::i16;

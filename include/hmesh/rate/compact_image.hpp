@@ -433,7 +433,7 @@ template <class T, int C>
         out.status = {Errc::invalid_argument, "an image in so many bytes is meshed anew: there is no mesh to start from"};
     if (out.status) out.status = kit::check_finite(view, parallel_for);
     if (!out.status) return out;
-    if constexpr (C % 2 == 0) {
+    if constexpr (kit::has_alpha(C)) {
         if (options.premultiplied) {
             const Image<T, C> copy = kit::premultiply(view, parallel_for);
             return detail::find_compact_image(copy.view(), options, recipe, parallel_for);

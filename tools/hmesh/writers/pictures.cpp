@@ -19,12 +19,12 @@ Picture to_picture(const Rgb& rgb) { return {rgb.width(), rgb.height(), 3, {rgb.
 Rgb to_rgb(const Picture& picture) {
     Rgb rgb(picture.width, picture.height);
     const int channels = picture.channels;
-    const bool has_alpha = channels == 2 || channels == 4;
+    const bool is_translucent = hmesh::kit::has_alpha(channels);
     const std::uint8_t* from = picture.samples.data();
     std::uint8_t* to = rgb.data();
     for (std::size_t i = 0; i < rgb.size() / 3; ++i, from += channels, to += 3)
         for (int c = 0; c < 3; ++c) {
-            const int alpha = has_alpha ? from[channels - 1] : 255;
+            const int alpha = is_translucent ? from[channels - 1] : 255;
             const int value = from[channels < 3 ? 0 : c];
             to[c] = static_cast<std::uint8_t>((value * alpha + 255 * (255 - alpha) + 127) / 255);
         }
