@@ -50,3 +50,12 @@ TEST_CASE("in 16 bits of linear light all 256 stored values stay apart, to 0.02 
         CHECK(std::abs(linear_to_srgb(code / 65535.0) * 255 - i) < 0.03);
     }
 }
+
+TEST_CASE("all channels are light but the last of two and of four, which is alpha") {
+    using hmesh::kit::has_alpha;
+    using hmesh::kit::is_light;
+    for (int channels = 1; channels <= 16; ++channels) {
+        CHECK(has_alpha(channels) == (channels == 2 || channels == 4));
+        for (int k = 0; k < channels; ++k) CHECK(is_light(k, channels) == !(has_alpha(channels) && k == channels - 1));
+    }
+}

@@ -173,10 +173,6 @@ template <int C>
     return {};
 }
 
-/// Whether a channel is light (not alpha), which interpolation in linear light decodes.
-[[nodiscard]] inline bool is_light(const MeshView& mesh, int channel) noexcept {
-    return !kit::has_alpha(mesh.channels) || channel + 1 != mesh.channels;
-}
 /// The colours of a mesh as shares of `peak` in [0, 1], light decoded from sRGB.
 [[nodiscard]] inline kit::Array<float> decoded_colors(const MeshView& mesh, const ParallelFor& parallel_for) {
     const auto channels = static_cast<std::size_t>(mesh.channels);
@@ -184,7 +180,8 @@ template <int C>
     kit::for_each_chunk(parallel_for, mesh.vertex_count, 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = channels * begin; i < channels * end; ++i) {
             const double share = std::max(0.0, std::min(1.0, static_cast<double>(mesh.colors[i]) / mesh.peak));
-            out[i] = static_cast<float>(is_light(mesh, static_cast<int>(i % channels)) ? kit::srgb_to_linear(share) : share);
+            const bool is_encoded = kit::is_light(static_cast<int>(i % channels), mesh.channels);
+            out[i] = static_cast<float>(is_encoded ? kit::srgb_to_linear(share) : share);
         }
     });
     return out;
@@ -197,7 +194,7 @@ void encode_rows(const MeshView& mesh, RowRange rows, Image<float, C>& out) {
     for (; pixel != end; pixel += C)
         for (int k = 0; k < C; ++k) {
             const auto share = static_cast<double>(pixel[k]);
-            pixel[k] = static_cast<float>((is_light(mesh, k) ? kit::linear_to_srgb(share) : share) * mesh.peak);
+            pixel[k] = static_cast<float>((kit::is_light(k, mesh.channels) ? kit::linear_to_srgb(share) : share) * mesh.peak);
         }
 }
 

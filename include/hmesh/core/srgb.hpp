@@ -15,6 +15,10 @@ namespace hmesh::kit {
 
 /// Whether the last of this number of channels is alpha.
 [[nodiscard]] constexpr bool has_alpha(int channels) noexcept { return channels == 2 || channels == 4; }
+/// Whether a channel of so many is light, which sRGB encodes: all are but alpha.
+[[nodiscard]] constexpr bool is_light(int channel, int channels) noexcept {
+    return !has_alpha(channels) || channel + 1 != channels;
+}
 
 /// The linear light, as a share of full light, of an sRGB-encoded share in [0, 1]. Error below 1e-14. The power 2.4 is the
 /// twelfth power of the fifth root, found by Newton's method.

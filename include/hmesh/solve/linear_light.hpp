@@ -152,7 +152,7 @@ class LinearLight {
 
   private:
     [[nodiscard]] std::size_t channels() const noexcept { return static_cast<std::size_t>(mesh_.channels); }
-    [[nodiscard]] bool is_encoded(std::size_t k) const noexcept { return !has_alpha(mesh_.channels) || k + 1 != channels(); }
+    [[nodiscard]] bool is_encoded(std::size_t k) const noexcept { return is_light(static_cast<int>(k), mesh_.channels); }
     [[nodiscard]] double encode(std::size_t k, double light) const noexcept {
         return is_encoded(k) ? linear_to_srgb(light) : light;
     }

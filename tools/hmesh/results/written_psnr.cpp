@@ -61,7 +61,7 @@ hmesh::Mesh as_kept(const hmesh::Mesh& mesh, const std::string& ending, int glb_
     const auto channels = static_cast<std::size_t>(mesh.channels), given = static_cast<std::size_t>(view.channels);
     for (std::size_t i = 0; i < out.colors.size(); ++i) {
         const std::size_t v = i / channels, c = i % channels;
-        const bool is_alpha = hmesh::kit::has_alpha(mesh.channels) && c + 1 == channels;
+        const bool is_alpha = !hmesh::kit::is_light(static_cast<int>(c), mesh.channels);
         const float color = view.colors[given * v + (is_alpha ? given - 1 : c)];
         const double share = kept(keeps, hmesh::detail::share_of_peak(color, mesh.peak), is_alpha);
         // The stored value itself where it is kept, as bytes are.
