@@ -205,33 +205,3 @@ TEST_CASE("told to stop it asks no band again") {
     CHECK(asked <= 10);
     CHECK(asked >= 3);
 }
-
-TEST_CASE("points on the sides stand on outermost samples, and are half of all at most") {
-    for (const auto& [columns, rows] : {std::pair{2, 2}, {2, 9}, {9, 2}, {3, 3}, {40, 27}}) {
-        const int width = columns, height = rows;
-        const auto noise = hmesh_test::noise<std::uint8_t, 3>(width, height, 2);
-        const ImageSource<3> source(noise.view());
-        for (const int count : {0, 1, 4, width * height / 2, width * height}) {
-            const auto points = hmesh::kit::side_points(source, count);
-            for (const kit::Point p : points) {
-                CHECK(((p.x == 0.5 || p.x == width - 0.5) || (p.y == 0.5 || p.y == height - 0.5)));
-                CHECK((p.x - 0.5 == std::floor(p.x) && p.x > 0 && p.x < width && p.y - 0.5 == std::floor(p.y) && p.y > 0 &&
-                       p.y < height));
-            }
-            CHECK(2 * points.size() <= static_cast<std::size_t>(count) + 1);
-        }
-    }
-}
-
-TEST_CASE("sides have as many points as lines through points of that density, more where the side bends") {
-    const auto flat = hmesh_test::draw<std::uint8_t, 1>(200, 100, [](int, int, int) { return 0.5; });
-    const auto even = hmesh::kit::side_points(ImageSource<1>(flat.view()), 200);
-    CHECK(std::abs(static_cast<int>(even.size()) - 60) <= 1);  // 600 px, a point each 10 px
-    const auto half =
-        hmesh_test::draw<std::uint8_t, 1>(200, 100, [](int x, int, int) { return x < 100 ? 0.5 : (x / 2) % 4 / 4.0; });
-    int left = 0, right = 0;
-    for (const kit::Point p : hmesh::kit::side_points(ImageSource<1>(half.view()), 200))
-        if (p.y == 0.5) ++(p.x < 100 ? left : right);
-    CHECK(left > 0);
-    CHECK(right > 4 * left);
-}

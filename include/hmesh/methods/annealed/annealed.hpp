@@ -42,6 +42,7 @@
 #include "hmesh/methods/annealed/budget.hpp"
 #include "hmesh/methods/annealed/first_points.hpp"
 #include "hmesh/methods/annealed/first_price.hpp"
+#include "hmesh/methods/annealed/line_points.hpp"
 #include "hmesh/methods/annealed/options.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/delaunay_mesh.hpp"
