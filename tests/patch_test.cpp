@@ -135,7 +135,7 @@ std::vector<Triangle> triangles_of(const IndexedMesh<C>& whole, const Cut& cut, 
 
 // How often the odd cases came up: a test that never meets them proves little.
 struct Met {
-    std::size_t holes = 0, pinched = 0, apart = 0, all_frozen = 0, alone = 0, narrow = 0, one_tile = 0;
+    std::size_t holes = 0, pinched = 0, apart = 0, all_locked = 0, alone = 0, narrow = 0, one_tile = 0;
 };
 
 // Position and colour of free vertex v of a result.
@@ -194,7 +194,7 @@ template <int C>
 void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, const Tiling& tiling, Met& met) {
     const Cut cut = kit::detail::cut(whole.positions, whole.faces, tiling);
     double energy = 0;
-    std::vector<int> room(whole.vertex_count(), 0);  // triangles that the fans of a frozen vertex may have together
+    std::vector<int> room(whole.vertex_count(), 0);  // triangles that the fans of a locked vertex may have together
     std::size_t free = 0;
     for (std::size_t tile = 0; tile < tiling.size(); ++tile) {
         const std::vector<Triangle> triangles = triangles_of(whole, cut, tile);
@@ -259,7 +259,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         met.holes += form.holes > 0 ? 1 : 0;
         met.pinched += form.pinched > 0 ? 1 : 0;
         met.apart += form.components > 1 ? 1 : 0;
-        met.all_frozen += owned == 0 ? 1 : 0;
+        met.all_locked += owned == 0 ? 1 : 0;
         met.alone += triangles.size() == 1 ? 1 : 0;
         met.narrow += mesh.width() == 1 || mesh.height() == 1 ? 1 : 0;
         met.one_tile += fans == 0 ? 1 : 0;
@@ -331,7 +331,7 @@ TEST_CASE("patches of irregular meshes are sound, know their rims, sum up to the
     CHECK(met.holes > 0);
     CHECK(met.pinched > 100);
     CHECK(met.apart > 100);
-    CHECK(met.all_frozen > 500);
+    CHECK(met.all_locked > 500);
     CHECK(met.alone > 300);
     CHECK(met.narrow > 5);
     CHECK(met.one_tile >= 11);

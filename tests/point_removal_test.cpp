@@ -299,7 +299,7 @@ TEST_CASE("a vertex with too many neighbors for a ring stays until some of these
     hmesh_test::prove(subject);
 }
 
-TEST_CASE("frozen vertices stay, and no more go than are asked for") {
+TEST_CASE("locked vertices stay, and no more go than are asked for") {
     Subject<std::uint8_t, 1> subject(hmesh_test::noise<std::uint8_t, 1>(40, 40, 41), generic_points(40, 40, 60, 12, 41));
     ImageMesh<1>& mesh = subject.mesh;
     const std::size_t count = mesh.vertex_count();

@@ -221,7 +221,7 @@ double fresh_energy(const hmesh::Image<T, C>& image, const kit::IndexedMesh<C>& 
 
 // --- chance ---
 
-// One edit picked by chance, good or bad for the energy, as the parts of a mesh allow it: frozen vertices stay.
+// One edit picked by chance, good or bad for the energy, as the parts of a mesh allow it: locked vertices stay.
 template <int C>
 void random_free_edit(kit::ImageMesh<C>& mesh, double range, kit::Random& random) {
     kit::RingScratch<C> work;

@@ -264,7 +264,7 @@ TEST_CASE("work that does nothing keeps every triangle, colour and mark of what 
     }
 }
 
-TEST_CASE("after every phase of work the whole is a mesh with its true energy, and what was frozen is where it was") {
+TEST_CASE("after every phase of work the whole is a mesh with its true energy, and what was locked is where it was") {
     const auto bytes = hmesh_test::scene<std::uint8_t, 3>(100, 70, 1);
     work_through(bytes, make_indexed(bytes, Shape::worn, 220, 1), 36, 1);
     const auto grey = hmesh_test::scene<std::uint8_t, 1>(60, 90, 2);
@@ -361,7 +361,7 @@ TEST_CASE("a phase depends on the mesh it begins with and on nothing that was be
     }
 }
 
-TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too") {
+TEST_CASE("what a patch makes due is due in the whole, its locked vertices too") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(40, 40, 10);
     const ImageSource<1> source(image.view());
     ProgressReporter progress = silent();
@@ -378,7 +378,7 @@ TEST_CASE("what a patch makes due is due in the whole, its frozen vertices too")
     for (std::size_t k = cut.first[3]; k < cut.first[4]; ++k)
         for (const std::uint32_t v : work.indexed().faces[cut.faces[k]]) expected[v] = 1;
     CHECK(work.indexed().dirty == expected);
-    // Sweeps of the others leave it so: frozen vertices are due for another patch.
+    // Sweeps of the others leave it so: locked vertices are due for another patch.
     work.for_each(tiling, [&](Patch<1>& patch, std::size_t tile) {
         if (tile != 3) kit::sweep(patch.mesh());
     });

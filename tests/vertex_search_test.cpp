@@ -277,7 +277,7 @@ TEST_CASE("vertices of more neighbors than fit a ring stay, and those around the
         if (mesh.topology().valence(v) > kit::ring_capacity) CHECK(mesh.position(v) == old[v.index()].position);
 }
 
-TEST_CASE("frozen vertices stay, and vertices off the pixels stay as far off them") {
+TEST_CASE("locked vertices stay, and vertices off the pixels stay as far off them") {
     Subject<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(41, 36, 1), hmesh_test::jittered_grid(41, 36, 6, 5, 1));
     ImageMesh<3>& mesh = subject.mesh;
     kit::sample_colors(mesh);
