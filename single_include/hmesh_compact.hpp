@@ -2579,35 +2579,14 @@ template <class Start = EmptyStart, class Foretelling = DistanceForetelling>
 
 #endif  // HMESH_IO_COMPACT_BODY_HPP
 
-// ---- hmesh/io/compact.hpp
+// ---- hmesh/io/compact/options.hpp
 
 /// \file
-/// write_compact() and read_compact(): a mesh in a file that is smaller than any other of it, and back.
-///
-/// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
-/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
-/// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
-/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
-///
-/// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
-/// images and of points. Colours are integers of 8 or 16 bits, or the very floats.
-///
-/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number
-/// of vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a
-/// vertex.
-#ifndef HMESH_IO_COMPACT_HPP
-#define HMESH_IO_COMPACT_HPP
+/// What a compact file is to be, and what a reader takes of one.
+#ifndef HMESH_IO_COMPACT_OPTIONS_HPP
+#define HMESH_IO_COMPACT_OPTIONS_HPP
 
-#include <algorithm>
-#include <array>
-#include <cmath>
-#include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <limits>
-#include <numeric>
-#include <utility>
-#include <vector>
 
 namespace hmesh {
 
@@ -2642,16 +2621,9 @@ struct CompactLimits {
     std::int64_t max_pixels = std::int64_t{1} << 32;  ///< width times height of the image, px
 };
 
-/// What read_compact() returns.
-struct [[nodiscard]] CompactMesh {
-    Mesh mesh;                                    ///< the mesh, or an empty one
-    bool linear = false;                          ///< whether its colours are for renderers that interpolate linear light
-    CompactColors colors = CompactColors::bits8;  ///< how the file holds its colours
-    Status status;                                ///< ok, or why there is none
-};
-
 namespace detail {
 
+/// Whether all options are in range.
 [[nodiscard]] inline Status check(const CompactOptions& options) noexcept {
     if (options.colors > CompactColors::floats)
         return {Errc::invalid_argument, "the colours of a compact file are none of those known", static_cast<int>(options.colors),
@@ -2670,17 +2642,45 @@ namespace detail {
                                static_cast<double>(CompactHead::coarsest)}});
 }
 
-/// A float as an integer of the same order, and back.
+/// Whether all limits are in range.
+[[nodiscard]] inline Status check(const CompactLimits& limits) noexcept {
+    return kit::check_ranges(
+        {{"limits.max_vertices must be in [4, 2^24]", static_cast<double>(limits.max_vertices), 4, 16777216},
+         {"limits.max_pixels must be in [1, 2^32]", static_cast<double>(limits.max_pixels), 1, 4294967296.0}});
+}
+
+}  // namespace detail
+}  // namespace hmesh
+
+#endif  // HMESH_IO_COMPACT_OPTIONS_HPP
+
+// ---- hmesh/io/detail/compact_writer.hpp
+
+/// \file
+/// CompactWriter: a mesh on its way to a compact file, what it is before a bit is coded.
+///
+/// Vertices become points of a frame of 1/256 px, moved to a lattice where one is asked for, one for each place and colour; faces
+/// become those of a tiling of the frame, of which some are shown; colours become whole numbers.
+#ifndef HMESH_IO_DETAIL_COMPACT_WRITER_HPP
+#define HMESH_IO_DETAIL_COMPACT_WRITER_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+namespace hmesh::detail {
+
+/// A float as an integer of the same order.
 [[nodiscard]] inline std::uint32_t ordered_bits(float value) noexcept {
     std::uint32_t bits = 0;
     std::memcpy(&bits, &value, 4);
     return (bits & 0x80000000U) != 0 ? ~bits : bits | 0x80000000U;
-}
-[[nodiscard]] inline float float_of_ordered(std::uint32_t bits) noexcept {
-    bits = (bits & 0x80000000U) != 0 ? bits & 0x7fffffffU : ~bits;
-    float value = 0;
-    std::memcpy(&value, &bits, 4);
-    return value;
 }
 
 /// What write_compact() says of a vertex that cannot be moved to the lattice.
@@ -3005,6 +3005,56 @@ class CompactWriter {
     std::vector<bool> is_vertex_;  // of each point
 };
 
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_DETAIL_COMPACT_WRITER_HPP
+
+// ---- hmesh/io/compact.hpp
+
+/// \file
+/// write_compact() and read_compact(): a mesh in a file that is smaller than any other of it, and back.
+///
+/// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
+/// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
+/// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
+/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
+///
+/// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
+/// images and of points. Colours are integers of 8 or 16 bits, or the very floats.
+///
+/// The reader is made for files of strangers: it allocates nothing before limits were checked, its work is bounded by the number
+/// of vertices, O(n log n), whatever the bytes, and whatever passes is a mesh whose faces do not overlap. Cost: some 2 us a
+/// vertex.
+#ifndef HMESH_IO_COMPACT_HPP
+#define HMESH_IO_COMPACT_HPP
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+#include <vector>
+
+namespace hmesh {
+
+/// What read_compact() returns.
+struct [[nodiscard]] CompactMesh {
+    Mesh mesh;                                    ///< the mesh, or an empty one
+    bool linear = false;                          ///< whether its colours are for renderers that interpolate linear light
+    CompactColors colors = CompactColors::bits8;  ///< how the file holds its colours
+    Status status;                                ///< ok, or why there is none
+};
+
+namespace detail {
+
+/// The float of an integer of the same order, as CompactWriter makes them.
+[[nodiscard]] inline float float_of_ordered(std::uint32_t bits) noexcept {
+    bits = (bits & 0x80000000U) != 0 ? bits & 0x7fffffffU : ~bits;
+    float value = 0;
+    std::memcpy(&value, &bits, 4);
+    return value;
+}
+
 /// The mesh of a head and a body. Not finite colours, which floats can be, are refused.
 [[nodiscard]] inline Status to_mesh(const CompactHead& head, const CompactBody& body, Mesh& mesh) {
     const auto channels = static_cast<std::size_t>(head.channels);
@@ -3087,16 +3137,6 @@ inline Status write_compact(const MeshView& mesh, Sink sink, const CompactOption
     out.bytes(bytes.data(), bytes.size());
     return out.finish();
 }
-
-namespace detail {
-
-[[nodiscard]] inline Status check(const CompactLimits& limits) noexcept {
-    return kit::check_ranges(
-        {{"limits.max_vertices must be in [4, 2^24]", static_cast<double>(limits.max_vertices), 4, 16777216},
-         {"limits.max_pixels must be in [1, 2^32]", static_cast<double>(limits.max_pixels), 1, 4294967296.0}});
-}
-
-}  // namespace detail
 
 /// Reads a compact file of `size` bytes. What is no such file, of another version, damaged, cut off or too large gives a Status
 /// that says so, and an empty mesh. `table`, where not null, is the one that files may begin with: CompactOptions::table.
