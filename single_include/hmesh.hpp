@@ -14612,8 +14612,8 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const Array<Vertex>& ver
 // ---- hmesh/methods/annealed/line_points.hpp
 
 /// \file
-/// Line points: those of the first points that stand on lines of their own, the seams of a periodic image and the sides of one
-/// whose samples are points.
+/// Line points: those of the first points that stand on lines of their own, the seams of a periodic image, the sides of one whose
+/// samples are points, and the long sides of one of a single row or column.
 ///
 /// Of r points a px^2 there are the root of r on a px of a line. What is due is added up along it, and a point stands where one
 /// is.
@@ -14625,6 +14625,7 @@ HMESH_COLD void sample_worths(const ImageMesh<C>& mesh, const Array<Vertex>& ver
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 namespace hmesh::kit {
 
@@ -14717,6 +14718,19 @@ template <int C>
         if (due < 1) continue;
         points.push_back(place(k));
         due -= 1;
+    }
+    return points;
+}
+
+/// Points on the long sides of an image of one row or column, by turns on one and the other, beside these pixels, which are
+/// numbered along it and rise. In its middle the points would be on one line: none sees another but those next to it, and corners
+/// would have all of them for neighbours.
+[[nodiscard]] HMESH_COLD inline Array<Point> points_by_turns(const Array<std::uint32_t>& pixels, bool is_row) {
+    Array<Point> points;
+    points.reserve(pixels.size());
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+        const double along = pixels[k] + 0.5, across = k % 2 == 0 ? 0 : 1;
+        points.push_back(is_row ? Point{along, across} : Point{across, along});
     }
     return points;
 }
@@ -15223,6 +15237,10 @@ class AnnealedRun {
         }
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+        if (source.periodic() == Periodic::none && std::min(source.width(), source.height()) == 1) {
+            on_lines = points_by_turns(pixels, source.height() == 1);
+            pixels = {};
+        }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen. A border stays, and there are fewer points along its longest edges.
         const int limit = source.periodic() == Periodic::none ? 32 : 16;

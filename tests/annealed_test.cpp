@@ -166,6 +166,23 @@ TEST_CASE("a flat part within a sharp line gives no vertex too many neighbors, s
         }
 }
 
+TEST_CASE("an image of one row or column keeps its first points, however many, and a vertex for 5 px follows waves of 125 px") {
+    const int length = hmesh_test::sanitized ? 10000 : 20000;
+    for (const bool is_row : {true, false})
+        for (const Effort effort : {Effort::draft, Effort::normal}) {
+            CAPTURE(is_row);
+            CAPTURE(effort);
+            const auto wave = [](int x, int y, int) { return 0.5 + 0.45 * std::sin(0.05 * (x + y)); };
+            Work<std::uint8_t, 1> work(hmesh_test::draw<std::uint8_t, 1>(is_row ? length : 1, is_row ? 1 : length, wave));
+            const auto n = static_cast<std::size_t>(length / 5);
+            CHECK(recipe_of(effort, 2).run(work.tiled, n));
+            CHECK(work.count() == n);
+            CHECK(work.progress.stages().front().vertices > n);
+            CHECK(work.tiled.energy() / length < 0.2);  // rounding to 8 bits alone is 1 / 12
+            hmesh_test::prove(work);
+        }
+}
+
 TEST_CASE("tiles that nobody asked for hold 400 vertices, or 640 where nothing is annealed, on 128 to 256 px") {
     const auto tile_size = [](Effort effort, int width, int height, std::size_t n) {
         return Annealed{effort}.tile_size(width, height, n);

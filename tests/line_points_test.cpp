@@ -69,3 +69,14 @@ TEST_CASE("sides have as many points as lines through points of that density, mo
     CHECK(left > 0);
     CHECK(right > 4 * left);
 }
+
+TEST_CASE("points of a row or a column are beside their pixels, on one long side and the other by turns") {
+    const hmesh::kit::Array<std::uint32_t> pixels{1, 4, 5};
+    const auto row = hmesh::kit::points_by_turns(pixels, true), column = hmesh::kit::points_by_turns(pixels, false);
+    REQUIRE(row.size() == 3);
+    for (std::size_t k = 0; k < 3; ++k) {
+        CHECK(row[k] == Point{pixels[k] + 0.5, k == 1 ? 1.0 : 0.0});
+        CHECK(column[k] == Point{row[k].y, row[k].x});
+    }
+    CHECK(hmesh::kit::points_by_turns({}, true).empty());
+}

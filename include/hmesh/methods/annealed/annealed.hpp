@@ -236,6 +236,10 @@ class AnnealedRun {
         }
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+        if (source.periodic() == Periodic::none && std::min(source.width(), source.height()) == 1) {
+            on_lines = points_by_turns(pixels, source.height() == 1);
+            pixels = {};
+        }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
         // which grows to n, is for shapes nobody has seen. A border stays, and there are fewer points along its longest edges.
         const int limit = source.periodic() == Periodic::none ? 32 : 16;

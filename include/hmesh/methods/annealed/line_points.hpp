@@ -1,6 +1,6 @@
 /// \file
-/// Line points: those of the first points that stand on lines of their own, the seams of a periodic image and the sides of one
-/// whose samples are points.
+/// Line points: those of the first points that stand on lines of their own, the seams of a periodic image, the sides of one whose
+/// samples are points, and the long sides of one of a single row or column.
 ///
 /// Of r points a px^2 there are the root of r on a px of a line. What is due is added up along it, and a point stands where one
 /// is.
@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -114,6 +115,19 @@ template <int C>
         if (due < 1) continue;
         points.push_back(place(k));
         due -= 1;
+    }
+    return points;
+}
+
+/// Points on the long sides of an image of one row or column, by turns on one and the other, beside these pixels, which are
+/// numbered along it and rise. In its middle the points would be on one line: none sees another but those next to it, and corners
+/// would have all of them for neighbours.
+[[nodiscard]] HMESH_COLD inline Array<Point> points_by_turns(const Array<std::uint32_t>& pixels, bool is_row) {
+    Array<Point> points;
+    points.reserve(pixels.size());
+    for (std::size_t k = 0; k < pixels.size(); ++k) {
+        const double along = pixels[k] + 0.5, across = k % 2 == 0 ? 0 : 1;
+        points.push_back(is_row ? Point{along, across} : Point{across, along});
     }
     return points;
 }
