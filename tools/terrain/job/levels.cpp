@@ -159,8 +159,12 @@ std::string find_skirt(const std::vector<Level>& levels, int level, const Tile& 
                 !why.empty())
                 return why;
             const double here = bound(own) + off_lines(samples, own.step);
+            const auto has_side = [&](const Level& of) {  // where a level ends there may be tiles of finer ones beyond
+                const int end_of = ((along == 0 ? of.height : of.width) - 1) * of.step;
+                return line % (cells * of.step) == 0 || line == end_of;
+            };
             for (const Level& other : levels)
-                if (other.step != own.step && line % (cells * other.step) == 0)
+                if (other.step != own.step && has_side(other))
                     depth = std::max(depth, here + bound(other) + off_lines(samples, other.step));
         }
     depth *= 1.001;  // floats round
