@@ -132,6 +132,23 @@ TEST_CASE("an image of one pixel or one row has periodic meshes") {
             }
 }
 
+TEST_CASE("a row that repeats from end to end is meshed as well as one that does not, however many vertices it has") {
+    for (const bool is_row : {true, false})
+        for (const bool straight : {false, true}) {
+            CAPTURE(is_row);
+            CAPTURE(straight);
+            const auto wave = [](int x, int y, int) { return 0.5 + 0.45 * std::sin(6.283185307179586 * (x + y) / 100); };
+            const auto image = hmesh_test::draw<std::uint8_t, 1>(is_row ? 10000 : 1, is_row ? 1 : 10000, wave);
+            const Options options = periodic(is_row ? Periodic::x : Periodic::y, 2000, straight);
+            Annealed recipe;
+            recipe.effort = Effort::draft;
+            const Result result = mesh_image(image.view(), options, recipe);
+            check_mesh(image, result, options);
+            CHECK(result.report.stages.front().vertices > 2000);
+            CHECK(result.report.psnr > 54);
+        }
+}
+
 TEST_CASE("periodic meshes in many tiles are the same for any executor") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(210, 130, 5);
     for (const bool straight : {false, true})

@@ -236,8 +236,9 @@ class AnnealedRun {
         }
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
-        if (source.periodic() == Periodic::none && std::min(source.width(), source.height()) == 1) {
-            on_lines = points_by_turns(pixels, source.height() == 1);
+        const bool is_row = source.height() == 1 && !wraps_y(source.periodic());
+        if (is_row || (source.width() == 1 && !wraps_x(source.periodic()))) {
+            for (const Point p : points_by_turns(pixels, is_row)) on_lines.push_back(p);
             pixels = {};
         }
         // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
