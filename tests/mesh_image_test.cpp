@@ -767,6 +767,17 @@ TEST_CASE("what is no mesh of the image is refused as a start") {
     bad.channels = 4;
     CHECK(refuses(bad));
     CHECK(refuses({}));
+    const auto sentence = [&](const hmesh::Mesh& start) {
+        recipe.start = &start;
+        return std::string(hmesh::message(hmesh::mesh_image(picture.view(), options, recipe).status).c_str());
+    };
+    CHECK(sentence(bad) == "the mesh to start from has not the image's channels (4, limit 3)");
+    CHECK(sentence({}) == "the mesh to start from has not the image's channels (0, limit 3)");
+    bad.channels = 3;
+    bad.positions.resize(bad.positions.size() - 2);
+    CHECK(sentence(bad) == "the mesh to start from has arrays that are not of one number of vertices");
+    bad.positions.clear();
+    CHECK(sentence(bad) == "the mesh to start from has no vertices");
     // A fan around one vertex, with more spokes than a ring holds.
     const auto fan = [](int on_side) {
         hmesh::Mesh mesh = {{20, 15}, {1, 2, 3}, {}, 3, 40, 30, 255};

@@ -218,7 +218,7 @@ template <int C>
 HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Mesh& finest, const Options& options,
                      const ProgressiveOptions& nested_options, const ParallelFor& parallel_for, ProgressiveMesh& out) {
     const kit::IndexedMesh<C> start = kit::to_indexed_mesh<C>(finest);
-    out.status = kit::detail::check_start(start, source);
+    out.status = kit::detail::check_start(finest, start, source);
     if (out.status && finest.premultiplied != options.premultiplied)
         out.status = {Errc::invalid_argument, "the mesh and the options differ in whether colours are premultiplied",
                       finest.premultiplied ? 1 : 0, options.premultiplied ? 1 : 0};

@@ -37,6 +37,7 @@
 #include "hmesh/edit/move.hpp"
 #include "hmesh/fit/ring.hpp"
 #include "hmesh/mesh/delaunay.hpp"
+#include "hmesh/mesh/mesh.hpp"
 #include "hmesh/methods/annealed/annealing.hpp"
 #include "hmesh/methods/annealed/border.hpp"
 #include "hmesh/methods/annealed/budget.hpp"
@@ -54,10 +55,15 @@
 namespace hmesh {
 namespace kit::detail {
 
-/// Whether this is a mesh of the image, with finite colours; else Errc::invalid_argument.
+/// Whether `given`, of which to_indexed_mesh() made `mesh`, is a mesh of the image, with finite colours; else
+/// Errc::invalid_argument.
 template <int C>
-[[nodiscard]] HMESH_COLD Status check_start(const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
-    if (mesh.vertex_count() == 0) return {Errc::invalid_argument, "the mesh to start from has not the image's channels"};
+[[nodiscard]] HMESH_COLD Status check_start(const Mesh& given, const IndexedMesh<C>& mesh, const ImageSource<C>& source) {
+    if (given.channels != C)
+        return {Errc::invalid_argument, "the mesh to start from has not the image's channels", given.channels, C};
+    if (given.positions.empty()) return {Errc::invalid_argument, "the mesh to start from has no vertices"};
+    if (mesh.vertex_count() == 0)
+        return {Errc::invalid_argument, "the mesh to start from has arrays that are not of one number of vertices"};
     if (mesh.width != source.width())
         return {Errc::invalid_argument, "the mesh to start from is not as wide as the image", mesh.width, source.width()};
     if (mesh.height != source.height())
@@ -476,7 +482,7 @@ Status Annealed::run(kit::TiledMesh<C>& mesh, std::size_t n) const {
         from = kit::to_indexed_mesh<C>(*start);
         if (const kit::ChannelScale<C>* const scale = mesh.source().scale())
             for (kit::Color<C>& color : from.colors) scale->to_scaled(color);
-        if (const Status status = kit::detail::check_start(from, mesh.source()); !status) return status;
+        if (const Status status = kit::detail::check_start(*start, from, mesh.source()); !status) return status;
         kit::Array<kit::Point> border;
         if (const Status status = kit::detail::find_border(mesh.source(), border_tolerance, n, border); !status) return status;
         if (border_tolerance && !kit::detail::has_border(from, border))
