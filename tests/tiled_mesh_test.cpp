@@ -527,7 +527,8 @@ TEST_CASE("the hindered are those that were locked and their free neighbours") {
 
 template <int C>
 void check_large(bool has_whole_table) {
-    const auto image = hmesh_test::noise<std::uint8_t, C>(65536, 65, 1);
+    const int width = has_whole_table ? 65 : 65536, height = has_whole_table ? 65536 : 65;
+    const auto image = hmesh_test::noise<std::uint8_t, C>(width, height, 1);
     const ImageSource<C> source(image.view());
     const IndexedMesh<C> start = make_indexed(image, Shape::delaunay, 900, 1);
     const auto run = [&](const ParallelFor& parallel_for) {
@@ -536,15 +537,15 @@ void check_large(bool has_whole_table) {
         REQUIRE(!work.is_small());
         REQUIRE(work.has_whole_table() == has_whole_table);
         work.indexed() = start;
-        const Tiling first(65536, 65, 3000), second(65536, 65, 3000, true);
+        const Tiling first(width, height, 3000), second(width, height, 3000, true);
         std::atomic<int> narrow{0};
         REQUIRE(work.for_each(first, [&](Patch<C>& patch, std::size_t) {
-            narrow += patch.mesh().width() < 65536 / 4 ? 1 : 0;
+            narrow += std::max(patch.mesh().width(), patch.mesh().height()) < 65536 / 4 ? 1 : 0;
             kit::sweep(patch.mesh());
         }));
         CHECK((narrow > 10) == !has_whole_table);
         // Who looks at some sees every second one of 32 or more, whose mesh stays as it is.
-        const Tiling many(65536, 65, 2000);
+        const Tiling many(width, height, 2000);
         REQUIRE(work.sample_step(many) == 2);
         std::vector<unsigned char> is_seen(many.size());
         const std::size_t count = work.vertex_count();
@@ -573,8 +574,21 @@ void check_large(bool has_whole_table) {
 }
 
 TEST_CASE("patches of a large image are merged at once, and the whole is the same in any order") {
-    SUBCASE("with one table of 130 MiB") { check_large<1>(true); }
-    SUBCASE("with tables of their own, where one would have 260 MiB") { check_large<3>(false); }
+    SUBCASE("with one table, of 65 x 65536 px") { check_large<1>(true); }
+    SUBCASE("with tables of their own, of 65536 x 65 px, whose sums along a row would be too large") { check_large<1>(false); }
+}
+
+TEST_CASE("a large image has one table where that takes 256 MiB at most") {
+    const auto has_whole_table = [](int width, int height) {
+        const hmesh::Image<std::uint8_t, 3> image(width, height);
+        const ImageSource<3> source(image.view());
+        ProgressReporter progress = silent();
+        return TiledMesh<3>(source, {}, progress).has_whole_table();
+    };
+    CHECK(has_whole_table(4000, 1100));   // 16 bytes a pixel
+    CHECK(!has_whole_table(16384, 260));  // 64
+    CHECK(has_whole_table(16384, 256));   // small
+    CHECK(!has_whole_table(16385, 2));    // too wide
 }
 
 TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {
