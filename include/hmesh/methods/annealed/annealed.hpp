@@ -242,8 +242,10 @@ class AnnealedRun {
         }
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
+        // Few points of a row follow more of it from its middle: 100 vertices of 20,000 px of a wave by 9 dB.
+        constexpr std::size_t few = 300;
         const bool is_row = source.height() == 1 && !wraps_y(source.periodic());
-        if (is_row || (source.width() == 1 && !wraps_x(source.periodic()))) {
+        if (pixels.size() > few && (is_row || (source.width() == 1 && !wraps_x(source.periodic())))) {
             for (const Point p : points_by_turns(pixels, is_row)) on_lines.push_back(p);
             pixels = {};
         }
