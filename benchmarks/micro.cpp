@@ -11,6 +11,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <hmesh/compact.hpp>
 #include <hmesh/hmesh.hpp>
 #include <hmesh/methods/hierarchical/bilateral.hpp>
 
@@ -252,6 +253,33 @@ void draw(benchmark::State& state) {  // a pixel
     per_item(state, pixels);
 }
 
+// A compact file of exact positions and colours of 8 bits.
+std::vector<unsigned char> write_file(const hmesh::Mesh& mesh) {
+    std::vector<unsigned char> file;
+    const auto sink = [&](const void* bytes, std::size_t size) {
+        const auto* const from = static_cast<const unsigned char*>(bytes);
+        file.insert(file.end(), from, from + size);
+        return true;
+    };
+    if (!hmesh::write_compact(mesh.view(), sink)) std::abort();
+    return file;
+}
+void write_compact(benchmark::State& state) {  // a vertex
+    const auto mesh = hmesh::kit::to_mesh(fixture().whole, 255);
+    for (auto _ : state) benchmark::DoNotOptimize(write_file(mesh).size());
+    per_item(state, static_cast<std::size_t>(state.iterations()) * mesh.vertex_count());
+}
+void read_compact(benchmark::State& state) {  // a vertex
+    const auto file = write_file(hmesh::kit::to_mesh(fixture().whole, 255));
+    std::size_t vertices = 0;
+    for (auto _ : state) {
+        const hmesh::CompactMesh read = hmesh::read_compact(file.data(), file.size());
+        if (!read.status) std::abort();
+        vertices += read.mesh.vertex_count();
+    }
+    per_item(state, vertices);
+}
+
 }  // namespace
 
 BENCHMARK(moment_table)->Unit(benchmark::kMicrosecond);
@@ -270,4 +298,6 @@ BENCHMARK(annealing_sweep)->Unit(benchmark::kMicrosecond);
 BENCHMARK(patches)->Arg(128)->Arg(64)->Unit(benchmark::kMicrosecond);
 BENCHMARK(bounded_colors)->Unit(benchmark::kMicrosecond);
 BENCHMARK(draw)->Unit(benchmark::kMicrosecond);
+BENCHMARK(write_compact)->Unit(benchmark::kMicrosecond);
+BENCHMARK(read_compact)->Unit(benchmark::kMicrosecond);
 BENCHMARK_MAIN();

@@ -37,16 +37,20 @@
 
 namespace hmesh::detail {
 
-/// A recipe for images of C channels behind function references, so that what follows is compiled once for all recipes.
-template <int C>
-struct RecipeRef {
+/// What is known of a recipe, whatever the image's samples.
+struct RecipeTraits {
     FunctionRef<double(std::size_t n)> tile_size;
-    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
     FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
     Colors colors;
-    bool can_go_on;           // whether run() knows beginnings other than the first
+    bool can_go_on;           // whether it knows beginnings other than the first
     kit::PsnrSearch* search;  // for a PSNR, of such recipes or of others: a pointer, so that a program has the one it needs
     kit::Trials trials;       // where it does
+};
+
+/// A recipe for images of C channels behind function references, so that what follows is compiled once for all recipes.
+template <int C>
+struct RecipeRef : RecipeTraits {
+    FunctionRef<Status(kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from)> run;
 };
 
 /// What is meshed.
@@ -225,16 +229,10 @@ template <int C>
 
 /// A recipe for images of one kind behind function references.
 template <class T, int C>
-struct ImageRecipeRef {
+struct ImageRecipeRef : RecipeTraits {
     FunctionRef<Status(int width, int height)> check;
-    FunctionRef<double(std::size_t n)> tile_size;
     FunctionRef<Status(kit::TiledMesh<C>& mesh, const ImageView<T, C>& image, std::size_t n, const kit::Beginning& from)> run;
-    FunctionRef<double(std::size_t n, const kit::Beginning& from)> work;
-    Colors colors;
-    bool can_go_on;
-    kit::PsnrSearch* search;
-    kit::Trials trials;
-    bool takes_view;  // whether run() looks at the image
+    bool takes_view;          // whether run() looks at the image
     const char* no_periodic;  // why the recipe refuses periodic images; null: it does not
 };
 
@@ -324,8 +322,7 @@ template <class T, int C>
         const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
             return recipe.run(mesh, image, n, from);
         };
-        const RecipeRef<C> reference{recipe.tile_size, run, recipe.work, recipe.colors, recipe.can_go_on, recipe.search, recipe.trials};
-        result = mesh_target(subject, reference, options, parallel_for);
+        result = mesh_target(subject, RecipeRef<C>{recipe, run}, options, parallel_for);
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;
@@ -408,9 +405,9 @@ Result mesh_image(const ImageView<T, C>& view, const Options& options, const Rec
     const Colors colors = options.colors.value_or(Recipe::colors);
     const char* no_periodic = nullptr;
     if constexpr (!detail::can_be_periodic<Recipe>) no_periodic = detail::no_periodic<Recipe>.data();
+    const detail::RecipeTraits traits{tile_size, work, colors, detail::can_go_on<Recipe>, search, trials};
     return detail::mesh_view(view, options,
-                             detail::ImageRecipeRef<T, C>{check, tile_size, run, work, colors, detail::can_go_on<Recipe>, search, trials,
-                                                          detail::wants_view<Recipe, T, C>, no_periodic},
+                             detail::ImageRecipeRef<T, C>{traits, check, run, detail::wants_view<Recipe, T, C>, no_periodic},
                              parallel_for);
 }
 

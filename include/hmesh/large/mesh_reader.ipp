@@ -123,10 +123,9 @@ Result mesh_image(const ImageReader<T, C>& reader, const Options& options, const
         return recipe.from(from).work(reader.width, reader.height, n);
     };
     const kit::ReadImage<T, C> image(reader, options.premultiplied);
-    return detail::mesh_read<T, C>(image, options,
-                                   {tile_size, run, work, options.colors.value_or(Annealed::colors), true,
-                                    &kit::fewest_vertices_going_on, recipe.trials()},
-                                   parallel_for);
+    const detail::RecipeTraits traits{
+        tile_size, work, options.colors.value_or(Annealed::colors), true, &kit::fewest_vertices_going_on, recipe.trials()};
+    return detail::mesh_read<T, C>(image, options, {traits, run}, parallel_for);
 }
 
 }  // namespace hmesh
