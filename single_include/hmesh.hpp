@@ -5999,6 +5999,7 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -6179,7 +6180,8 @@ namespace kit {
 /// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
 using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
 
-/// Reads pixels of a view as a PixelReader does, all of which must lie in it.
+/// Reads pixels of a view as a PixelReader does, all of which must lie in it. The row four below, which a tile's reading comes to
+/// by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
 template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);

@@ -1129,7 +1129,7 @@ struct QuantizedMeshOptions {
 };
 
 /// A mesh with its positions and heights rounded to the 15 bits of a tile. Faces thinner than that may have turned over.
-struct TileRounding {
+struct [[nodiscard]] TileRounding {
     Mesh mesh;      ///< the mesh as a reader of the tile has it, in its plane and its stored values: same vertices, same faces
     Status status;  ///< what write_quantized_mesh() would say; if it is bad there is no mesh
 };

@@ -5,6 +5,7 @@
 #ifndef HMESH_IMAGE_IMAGE_VIEW_HPP
 #define HMESH_IMAGE_IMAGE_VIEW_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -12,7 +13,9 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
+#include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
@@ -193,7 +196,8 @@ namespace kit {
 /// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
 using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
 
-/// Reads pixels of a view as a PixelReader does, all of which must lie in it.
+/// Reads pixels of a view as a PixelReader does, all of which must lie in it. The row four below, which a tile's reading comes to
+/// by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
 template <class T, int C>
 void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
     const T* const from = view.pixel(x, y);
