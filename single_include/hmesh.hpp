@@ -10142,15 +10142,7 @@ class ImageMesh {
     /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
     /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
-        : ImageMesh(table, low, high, limits,
-                    {{0, 0, table.width(), table.height()},
-                     false,
-                     1,
-                     nullptr,
-                     Periodic::none,
-                     false,
-                     table.has_far_sides() ? Samples::points : Samples::squares,
-                     false}) {}
+        : ImageMesh(table, low, high, limits, context_of_whole(table)) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
@@ -10364,6 +10356,13 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// The context of the one patch that an image is.
+    [[nodiscard]] static PatchContext context_of_whole(const MomentTable<C>& table) noexcept {
+        PatchContext context;
+        context.image = {0, 0, table.width(), table.height()};
+        if (table.has_far_sides()) context.samples = Samples::points;
+        return context;
+    }
     /// The least coordinates within the table that are `gap` inside of the mesh's border, 0 <= gap < 1/2.
     [[nodiscard]] Point first_place(double gap) const noexcept {
         const double in = inset(context_.samples) + gap;
@@ -13358,15 +13357,14 @@ class Patch {
             positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
             colors.push_back(indexed.colors[v]);
         }
-        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
-                             {{-x, -y, source.width(), source.height()},
-                              !numbered_.locked.empty(),
-                              1,
-                              nullptr,
-                              source.periodic(),
-                              source.has_straight_seams(),
-                              source.samples(),
-                              indexed.has_fixed_border});
+        PatchContext context;
+        context.image = {-x, -y, source.width(), source.height()};
+        context.is_part = !numbered_.locked.empty();
+        context.periodic = source.periodic();
+        context.has_seams = source.has_straight_seams();
+        context.samples = source.samples();
+        context.has_fixed_border = indexed.has_fixed_border;
+        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context);
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;

@@ -63,15 +63,7 @@ class ImageMesh {
     /// An empty mesh over the table of a whole image, which must outlive it. Colours are kept within [low, high], widened by
     /// limits.color_overshoot.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits = {})
-        : ImageMesh(table, low, high, limits,
-                    {{0, 0, table.width(), table.height()},
-                     false,
-                     1,
-                     nullptr,
-                     Periodic::none,
-                     false,
-                     table.has_far_sides() ? Samples::points : Samples::squares,
-                     false}) {}
+        : ImageMesh(table, low, high, limits, context_of_whole(table)) {}
     /// An empty mesh over the table of a patch, which must outlive it.
     ImageMesh(const MomentTable<C>& table, double low, double high, const MeshLimits& limits, const PatchContext& context)
         : table_(&table), limits_(limits), context_(context) {
@@ -285,6 +277,13 @@ class ImageMesh {
     [[nodiscard]] HMESH_COLD Status check() const;
 
   private:
+    /// The context of the one patch that an image is.
+    [[nodiscard]] static PatchContext context_of_whole(const MomentTable<C>& table) noexcept {
+        PatchContext context;
+        context.image = {0, 0, table.width(), table.height()};
+        if (table.has_far_sides()) context.samples = Samples::points;
+        return context;
+    }
     /// The least coordinates within the table that are `gap` inside of the mesh's border, 0 <= gap < 1/2.
     [[nodiscard]] Point first_place(double gap) const noexcept {
         const double in = inset(context_.samples) + gap;

@@ -250,15 +250,14 @@ class Patch {
             positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
             colors.push_back(indexed.colors[v]);
         }
-        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits,
-                             {{-x, -y, source.width(), source.height()},
-                              !numbered_.locked.empty(),
-                              1,
-                              nullptr,
-                              source.periodic(),
-                              source.has_straight_seams(),
-                              source.samples(),
-                              indexed.has_fixed_border});
+        PatchContext context;
+        context.image = {-x, -y, source.width(), source.height()};
+        context.is_part = !numbered_.locked.empty();
+        context.periodic = source.periodic();
+        context.has_seams = source.has_straight_seams();
+        context.samples = source.samples();
+        context.has_fixed_border = indexed.has_fixed_border;
+        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context);
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
