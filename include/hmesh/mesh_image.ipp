@@ -322,7 +322,8 @@ template <class T, int C>
         const auto run = [&](kit::TiledMesh<C>& mesh, std::size_t n, const kit::Beginning& from) {
             return recipe.run(mesh, image, n, from);
         };
-        result = mesh_target(subject, RecipeRef<C>{recipe, run}, options, parallel_for);
+        const RecipeTraits& traits = recipe;
+        result = mesh_target(subject, RecipeRef<C>{traits, run}, options, parallel_for);
     };
     if (const Status status = with_subject<T, C>(view, options, check_recipe, parallel_for, body); !status) result.status = status;
     return result;
