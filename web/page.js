@@ -21,6 +21,7 @@ let name = ''; // the photo's, without ending
 let source = null; // what it was read from: {file} or {sample, width, height}
 let mesh = null;
 let opening = 0; // counts what was opened
+let reading = null; // what is read now: {from, title}
 let isInterrupted = false; // whether a mesh was at work when what is read now was opened
 let range = { least: 4, most: 4 }; // of vertices
 
@@ -149,6 +150,7 @@ function forget() {
 // Reads a photo, or draws a sample; what was there before stays if it cannot be read.
 async function open(from, title) {
   const mine = ++opening;
+  reading = { from, title };
   isInterrupted = meshing.stop() || isInterrupted;
   hideFault();
   closePopups();
@@ -171,6 +173,8 @@ async function open(from, title) {
       showOutcome();
     }
     showFault(error.message);
+  } finally {
+    if (mine === opening) reading = null;
   }
 }
 const openFile = (file) => open({ file }, (file.name || 'photo').replace(/\.[^.]*$/, ''));
@@ -179,6 +183,7 @@ function stop() {
   const { state } = document.body.dataset;
   if (state !== 'reading' && state !== 'refining') return;
   opening++; // what is read now is not opened
+  reading = null;
   isInterrupted = false;
   meshing.stop();
   setState(mesh ? 'done' : 'start');
@@ -272,7 +277,10 @@ function listenToControls() {
     remesh();
   };
   byId('effort').onchange = byId('seed').onchange = remesh;
-  byId('limit').onchange = () => source && open(source, name);
+  byId('limit').onchange = () => {
+    const { from, title } = reading ?? { from: source, title: name };
+    if (from) open(from, title);
+  };
   addEventListener('pointerdown', (event) => {
     if (!popups.some((pair) => pair.some((part) => part.contains(event.target)))) closePopups();
   });

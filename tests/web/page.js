@@ -515,6 +515,26 @@ const single = { // each with a context of its own
     });
   },
 
+  async 'the size that photos are scaled to is that of the photo which is read just then, too'() {
+    await withPage(DESKTOP, async (page) => {
+      await page.evaluate(() => { document.getElementById('effort').value = 'draft'; });
+      await opened(page, small, 'small.png');
+      await page.evaluate(() => {
+        const seen = new MutationObserver(() => {
+          seen.disconnect();
+          const limit = document.getElementById('limit');
+          limit.value = '0.5';
+          limit.dispatchEvent(new Event('change'));
+        });
+        seen.observe(document.body, { attributeFilter: ['data-state'] });
+      });
+      await choose(page, 'large.png', large);
+      await refined(page);
+      expect((await page.getAttribute('#view', 'aria-label')).startsWith('large: a mesh'), 'the one before is shown again');
+      equal(await text(page, 'scaled'), 'Scaled from 2,400 × 1,800 to 816 × 612 px', 'it is said');
+    });
+  },
+
   async 'pictures are turned as Exif says, may have alpha, and may be tiny'() {
     await withPage(DESKTOP, async (page) => {
       const jpeg = await picture(60, 40, 'image/jpeg');
