@@ -134,6 +134,7 @@ function usePicture(next) {
   byId('view').setAttribute('aria-label', `${name}: no mesh yet`);
   meshing.setPicture(picture);
   saving.setMesh(null, name);
+  if (!byId('files').hidden) closePopups(); // it was opened meanwhile, and is of the picture before
   showWanted();
   stage.setPicture(picture);
   remesh();

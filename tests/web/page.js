@@ -535,6 +535,29 @@ const single = { // each with a context of its own
     });
   },
 
+  async 'a menu that is opened while a photo is read closes when that is there, before it has a mesh'() {
+    await withPage(DESKTOP, async (page) => {
+      await opened(page, small, 'small.png');
+      await page.evaluate(() => {
+        const [view, files] = ['view', 'files'].map((id) => document.getElementById(id));
+        new MutationObserver((_, seen) => {
+          seen.disconnect();
+          document.getElementById('save').click();
+          window.wasOpen = !files.hidden;
+        }).observe(document.body, { attributeFilter: ['data-state'] });
+        new MutationObserver((_, seen) => {
+          if (view.ariaLabel !== 'large: no mesh yet') return;
+          seen.disconnect();
+          window.isOpen = !files.hidden;
+        }).observe(view, { attributeFilter: ['aria-label'] });
+      });
+      await choose(page, 'large.png', large);
+      await refined(page);
+      expect(await page.evaluate('wasOpen'), 'it does not open');
+      expect(await page.evaluate('!isOpen'), 'it stays open');
+    });
+  },
+
   async 'pictures are turned as Exif says, may have alpha, and may be tiny'() {
     await withPage(DESKTOP, async (page) => {
       const jpeg = await picture(60, 40, 'image/jpeg');
