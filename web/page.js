@@ -249,7 +249,7 @@ function listenToFiles() {
     else showFault(sentence);
   };
   addEventListener('paste', (event) => {
-    if (event.target.matches?.('input')) return;
+    if (event.target === byId('seed')) return;
     event.preventDefault();
     take(event.clipboardData?.files ?? [], 'What was pasted holds no picture.');
   });

@@ -156,16 +156,16 @@ const both = { // from a server, and from a file
   },
 
   async 'a photo can be dropped and pasted'(page) {
-    const give = (type, name) => page.evaluate(([kind, file, base64]) => {
+    const give = (type, name, id) => page.evaluate(([kind, file, base64, to]) => {
       const data = new DataTransfer();
       const bytes = Uint8Array.from(atob(base64), (one) => one.charCodeAt(0));
       if (file) data.items.add(new File([bytes], file, { type: 'image/png' }));
       const options = { bubbles: true, cancelable: true };
       const event = kind === 'paste' ? new ClipboardEvent(kind, { ...options, clipboardData: data })
         : new DragEvent(kind, { ...options, dataTransfer: data });
-      document.body.dispatchEvent(event);
+      (document.getElementById(to) ?? document.body).dispatchEvent(event);
       return event.defaultPrevented;
-    }, [type, name, small.toString('base64')]);
+    }, [type, name, small.toString('base64'), id]);
     expect(await give('dragover', 'dropped.png'), 'the browser would open what is dropped');
     expect(await page.isVisible('#over'), 'where to drop it is not shown');
     await give('drop', 'dropped.png');
@@ -178,6 +178,10 @@ const both = { // from a server, and from a file
     await give('paste', '');
     equal(await fault(page), 'What was pasted holds no picture.', 'of text it is said');
     expect((await page.getAttribute('#view', 'aria-label')).startsWith('pasted: a mesh'), 'the mesh has gone');
+    expect(await give('paste', 'count.png', 'count'), 'the slider takes what is pasted'); // it has the focus once it was dragged
+    await page.waitForSelector('#view[aria-label^="count: a mesh"]', patience);
+    await refined(page);
+    expect(!await give('paste', '', 'seed'), 'no seed can be pasted');
   },
 
   async 'a photo that cannot be read leaves the one before as it would have been'(page) {
