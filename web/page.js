@@ -126,7 +126,7 @@ function usePicture(next) {
   const start = Math.max(range.least, (source.sample ? 0.001 : 0.003) * area); // smooth pictures show triangles only so
   count.disabled = range.most === range.least;
   count.value = count.disabled ? 0 : Math.round((count.max * Math.log(start / range.least)) / Math.log(range.most / range.least));
-  byId('scaled').hidden = full.width === width;
+  byId('scaled').hidden = full.width === width && full.height === height;
   const sizeText = (size) => `${grouped(size.width)} × ${grouped(size.height)}`;
   byId('scaled').textContent = `Scaled from ${sizeText(full)} to ${sizeText(next)} px`;
   byId('scaled').title = 'Large photos: see More';

@@ -1,9 +1,11 @@
 // The worker that turns photos into pixels, and pixels into PNG files, so that no task of the page is long.
 //
-// Takes {id, file, limit}: a photo, made smaller where it has more than `limit` pixels; {id, sample, width, height}: a picture of
-// samples.js; {id, encode}: {data, width, height}. Answers {id, picture}, {id, blob} or {id, error}, a sentence. A picture is as
-// painter.js says, with `full`, the photo's own size.
+// Takes {id, file, limit}: a photo, made smaller where it has more than `limit` pixels or longer sides than a canvas; {id, sample,
+// width, height}: a picture of samples.js; {id, encode}: {data, width, height}. Answers {id, picture}, {id, blob} or {id, error},
+// a sentence. A picture is as painter.js says, with `full`, the photo's own size.
 import { draw } from './samples.js';
+
+const MOST_SIDE = 65535; // px, of a canvas: Chromium draws nothing on larger ones, and says nothing
 
 const TYPES = [
   [/^....ftyp(heic|heix|heim|heis|hevc|hevx|mif1|msf1)/s, 'a HEIC photo'],
@@ -26,7 +28,7 @@ async function read(file, limit) {
   const bitmap = await createImageBitmap(file, { imageOrientation: 'from-image' }) // turned as Exif says
     .catch(async () => { throw new Error(await refusal(file)); });
   const full = { width: bitmap.width, height: bitmap.height };
-  const scale = Math.min(1, Math.sqrt(limit / (full.width * full.height)));
+  const scale = Math.min(1, Math.sqrt(limit / (full.width * full.height)), MOST_SIDE / Math.max(full.width, full.height));
   const width = Math.max(1, Math.round(full.width * scale));
   const height = Math.max(1, Math.round(full.height * scale));
   try {

@@ -8,6 +8,7 @@ const { mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } = require('
 const { tmpdir } = require('os');
 const { join, resolve } = require('path');
 const { pathToFileURL } = require('url');
+const { deflateSync } = require('zlib');
 const { chromium } = require('playwright-core');
 const validator = require('gltf-validator');
 
@@ -54,6 +55,30 @@ function turned(jpeg, orientation) {
   const tiff = [0x4d, 0x4d, 0, 42, 0, 0, 0, 8, 0, 1, 1, 0x12, 0, 3, 0, 0, 0, 1, 0, orientation, 0, 0, 0, 0, 0, 0];
   const exif = [...Buffer.from('Exif\0\0', 'latin1'), ...tiff];
   return Buffer.concat([jpeg.subarray(0, 2), Buffer.from([0xff, 0xe1, 0, exif.length + 2, ...exif]), jpeg.subarray(2)]);
+}
+// A PNG file of so many grey pixels, dark at the left or above, light at the other end.
+function grey(width, height) {
+  const crc = (bytes) => {
+    let value = ~0;
+    for (const byte of bytes) {
+      value ^= byte;
+      for (let k = 0; k < 8; k++) value = (value >>> 1) ^ (value & 1 ? 0xedb88320 : 0);
+    }
+    return ~value;
+  };
+  const chunk = (type, bytes) => {
+    const out = Buffer.concat([Buffer.alloc(4), Buffer.from(type), bytes, Buffer.alloc(4)]);
+    out.writeUInt32BE(bytes.length);
+    out.writeInt32BE(crc(out.subarray(4, -4)), out.length - 4);
+    return out;
+  };
+  const head = Buffer.alloc(13), rows = Buffer.alloc(height * (width + 1));
+  head.writeUInt32BE(width);
+  head.writeUInt32BE(height, 4);
+  head[8] = 8;
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) rows[y * (width + 1) + 1 + x] = (256 * (x + y)) / (width + height);
+  return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
 }
 const sizeOfPng = (bytes) => [bytes.readUInt32BE(16), bytes.readUInt32BE(20)].join(' x ');
 
@@ -559,6 +584,18 @@ const single = { // each with a context of its own
       await refined(page);
       expect(await page.evaluate('wasOpen'), 'it does not open');
       expect(await page.evaluate('!isOpen'), 'it stays open');
+    });
+  },
+
+  async 'of a photo with longer sides than a canvas may have a smaller one is meshed, which is said'() {
+    await withPage(DESKTOP, async (page) => {
+      await page.evaluate(() => { document.getElementById('effort').value = 'draft'; });
+      for (const [width, height, sentence] of [[65536, 2, 'Scaled from 65,536 × 2 to 65,535 × 2 px'], [2, 70000, 'Scaled from 2 × 70,000 to 2 × 65,535 px']]) {
+        await opened(page, grey(width, height), `long${width}.png`);
+        await page.waitForSelector(`#view[aria-label^="long${width}: a mesh"]`, { timeout: 20000 });
+        equal(await page.isVisible('#scaled') && await text(page, 'scaled'), sentence, 'it is said');
+        expect(/ dB$/.test(await text(page, 'numbers')), `it is not drawn: ${await text(page, 'numbers')}`); // nothing would be met exactly
+      }
     });
   },
 
