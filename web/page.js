@@ -178,7 +178,7 @@ async function open(from, title) {
     if (mine === opening) reading = null;
   }
 }
-const openFile = (file) => open({ file }, (file.name || 'photo').replace(/\.[^.]*$/, ''));
+const openFile = (file) => open({ file }, file.name.replace(/\.[^.]*$/, '') || 'photo');
 
 function stop() {
   const { state } = document.body.dataset;

@@ -207,6 +207,8 @@ const both = { // from a server, and from a file
     await page.waitForSelector('#view[aria-label^="count: a mesh"]', patience);
     await refined(page);
     expect(!await give('paste', '', 'seed'), 'no seed can be pasted');
+    await give('drop', '.png');
+    await page.waitForSelector('#view[aria-label^="photo: a mesh"]', { timeout: 20000 });
   },
 
   async 'a photo that cannot be read leaves the one before as it would have been'(page) {
