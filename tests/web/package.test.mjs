@@ -224,6 +224,7 @@ test('files begin as their formats do, and those of .hmc come back', async () =>
   assert.doesNotMatch(await text('svg', { kind: 'flat' }), /linearGradient|vector-effect/);
   assert.match(await text('svg', { kind: 'flat', wireframe: true }), /vector-effect/);
   assert.match(await text('html', { title: 'a < b' }), /<title>a &lt; b<\/title>/);
+  assert.match(await text('html', { title: 'a\0b' }), /<title>ab<\/title>/);  // a NUL is no letter of a page
   assert.match(await text('html', { original: new Uint8Array([1, 2, 3]), originalType: 'image/x' }), /data:image\/x;base64,AQID/);
   const glb = Buffer.from(await mesher.write('glb'));
   assert.equal(glb.toString('latin1', 0, 4), 'glTF');
@@ -315,6 +316,24 @@ test('what is no image, no option and no mesh is refused with a sentence that na
   assert.equal(hashOf(hmesh.meshImage(image, { vertices: 50 })), hashOf(mesh));
   assert.equal(hashOf(await mesher.meshImage({ vertices: 50 })), hashOf(mesh));
   mesher.close();
+});
+
+test('null for options is none, and what is no module is refused by its name', async () => {
+  const module = await compileHmesh(), hmesh = new Hmesh(module, null), mesher = new Mesher();
+  const mesh = hmesh.meshImage(image, null), file = hmesh.write(mesh, 'hmc', null), read = hashOf(hmesh.read(file));
+  assert.equal(hashOf(hmesh.read(file, null)), read);
+  const drawn = hash(hmesh.render(mesh, null).data);
+  mesher.setImage(image);
+  assert.equal(hashOf(await mesher.meshImage(null)), hashOf(mesh));
+  assert.equal(hash(await mesher.write('hmc', null)), hash(file));
+  assert.equal(hash((await mesher.render(null)).data), drawn);
+  assert.equal(hashOf(await mesher.read(file, null)), read);
+  mesher.close();
+  for (const bad of [undefined, null, {}, 42, new Uint8Array(8), compileHmesh()]) {
+    const error = await errorOf(() => new Hmesh(bad));
+    assert.match(error.message, /no WebAssembly\.Module: /);
+    assert.equal(error.code, 'invalid_argument');
+  }
 });
 
 test('what was transferred before the worker was sent it, or cannot be sent, fails that call alone', async () => {

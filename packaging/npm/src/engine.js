@@ -11,7 +11,7 @@ const CODES = ['ok', 'invalid_argument', 'image_too_large', 'target_out_of_range
 const TARGETS = ['vertices', 'percent', 'psnr', 'bytes'];
 const ANSWER = ['code', 'message', 'width', 'height', 'channels', 'premultiplied', 'vertices', 'faces', 'positions', 'colors',
   'indices', 'bytes', 'size'];
-const PAGE = 65536;  // bytes of a page of memory
+const PAGES = 16;  // of memory in a MiB
 const STACK = 1048576;  // bytes; meshing takes a fifth
 const ALIGNMENT = 16;  // bytes: what compilers take for granted of a stack
 
@@ -120,10 +120,12 @@ export class Hmesh {
   #watch;  // what is told of the call at work, and what that threw
 
   // memory: of a module of threads, where its helpers are too.
-  constructor(module, { maximumMemory = 2048, memory } = {}) {
+  constructor(module, options) {
+    const { maximumMemory = 2048, memory } = options ?? {};
+    if (!isTyped(module, 'WebAssembly.Module')) refuse(`this is no WebAssembly.Module: ${String(module)}`);
     checkRange('maximumMemory', maximumMemory, 8, 2048);
     this.#module = module;
-    this.#most = Math.floor(maximumMemory * 1048576 / PAGE);
+    this.#most = Math.floor(PAGES * maximumMemory);
     this.#shared = memory;
   }
 
@@ -135,7 +137,7 @@ export class Hmesh {
     }));
   }
 
-  meshImage(image, options = {}) {
+  meshImage(image, options) {
     image = checkImage(image);
     const { onProgress, onMesh } = options ?? {};
     const { effort, seed, premultiplied, bare, weights, ...target } = checkOptions(options, image);
@@ -146,12 +148,12 @@ export class Hmesh {
       this.#watch = watch;
       const at = wasm.hmesh_allocate(width * height * channels);
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
-      const weightsAt = weights ? this.#put(weights) : 0;
+      const weightsAt = weights && this.#put(weights);
       const given = [at, width, height, channels, premultiplied && !isOpaque], recipe = [value, EFFORTS.indexOf(effort), seed];
       const answer = this.#read(kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
         : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt));
       wasm.hmesh_release(at);
-      if (weightsAt) wasm.hmesh_release(weightsAt);
+      wasm.hmesh_release(weightsAt);
       if (watch.thrown) return 0;
       if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
       const mesh = this.#mesh(answer, answer.code === 0);
@@ -161,7 +163,7 @@ export class Hmesh {
     return made;
   }
 
-  write(mesh, format, options = {}) {
+  write(mesh, format, options) {
     number(FORMATS, format, 'format');
     const { kind = 'gradient', wireframe = false, title = 'Triangle mesh', original, originalType = 'image/png', bare = false,
       lattice = 0, colorStep = 0 } = options ?? {};
@@ -175,26 +177,26 @@ export class Hmesh {
     return this.#run((wasm) => {
       this.#hold(mesh);
       if (bare) return this.#take(wasm.hmesh_write_bare(256 * lattice, colorStep));
-      const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}\0`)));
-      const originalAt = original ? this.#put(original) : 0;
+      const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}`.replace(/\0/g, '') + '\0')));
+      const originalAt = original && this.#put(original);
       const answer = wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0], originalAt,
-        original?.length ?? 0, texts[1]);
-      for (const at of [...texts, originalAt]) if (at) wasm.hmesh_release(at);
+        original?.length, texts[1]);
+      for (const at of [...texts, originalAt]) wasm.hmesh_release(at);
       return this.#take(answer);
     });
   }
 
-  read(bytes, { bare = false } = {}) {
+  read(bytes, options) {
     if (!isTyped(bytes, 'Uint8Array')) refuse('the bytes of a file are no Uint8Array');
     return this.#run((wasm) => {
-      const at = this.#put(bytes), answer = this.#read(wasm.hmesh_read(at, bytes.length, bare));
+      const at = this.#put(bytes), answer = wasm.hmesh_read(at, bytes.length, options?.bare);
       wasm.hmesh_release(at);
-      if (answer.code) refuse(answer.message, CODES[answer.code]);
-      return { ...this.#mesh(answer, true), psnr: NaN };
+      return { ...this.#mesh(this.#heed(answer), true), psnr: NaN };
     });
   }
 
-  render(mesh, { width = mesh?.width, height = mesh?.height } = {}) {
+  render(mesh, options) {
+    const { width = mesh?.width, height = mesh?.height } = options ?? {};
     return this.#run((wasm) => {
       this.#hold(mesh);
       checkPixels("the picture's width", width);
@@ -228,9 +230,9 @@ export class Hmesh {
   }
 
   #start() {
-    const outOfMemory = () => refuse(`out of memory: hmesh may take ${this.#most * PAGE / 1048576} MiB`, 'out_of_memory');
+    const outOfMemory = () => refuse(`out of memory: hmesh may take ${this.#most / PAGES} MiB`, 'out_of_memory');
     if (this.#shared && this.#memory === null) refuse('hmesh stopped before, and its threads with it', 'internal');
-    const memory = this.#shared ?? new WebAssembly.Memory({ initial: 64, maximum: this.#most });
+    const memory = this.#shared || new WebAssembly.Memory({ initial: 64, maximum: this.#most });
     const wasm = new WebAssembly.Instance(this.#module, imports(memory, {
       out_of_memory: outOfMemory,
       progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
@@ -280,10 +282,15 @@ export class Hmesh {
     return answer;
   }
 
-  // The bytes of an answer, or what it refuses.
+  // An answer, or what it refuses.
+  #heed(at) {
+    const answer = this.#read(at);
+    if (answer.code) refuse(answer.message, CODES[answer.code]);
+    return answer;
+  }
+
   #take(at) {
-    const { code, message, bytes, size } = this.#read(at);
-    if (code) refuse(message, CODES[code]);
+    const { bytes, size } = this.#heed(at);
     return this.#bytes(bytes, size).slice();
   }
 

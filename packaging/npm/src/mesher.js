@@ -39,15 +39,20 @@ class WorkerMesher {
 
   refine(options) { return this.#meshes(options, true); }
 
-  write(format, { mesh, signal, ...options } = {}) { return last(this.#answers({ write: format, mesh, options }, signal)); }
+  write(format, options) { return this.#ask({ write: format }, options); }
 
-  render({ mesh, signal, ...options } = {}) { return last(this.#answers({ render: true, mesh, options }, signal)); }
+  render(options) { return this.#ask({ render: true }, options); }
 
-  read(bytes, { signal, ...options } = {}) { return last(this.#answers({ read: bytes, options }, signal)); }
+  read(bytes, options) { return this.#ask({ read: bytes }, options); }
 
   close() {
     for (const job of this.#jobs.splice(0)) job.end({ error: new HmeshError('the Mesher was closed', 'cancelled') });
     this.#end();
+  }
+
+  #ask(message, given) {
+    const { mesh, signal, ...options } = given ?? {};
+    return last(this.#answers({ ...message, mesh, options }, signal));
   }
 
   async* #meshes(given, refine) {
@@ -92,7 +97,7 @@ class WorkerMesher {
     signal?.throwIfAborted();
     const abort = () => this.#drop(job, { error: signal.reason });
     signal?.addEventListener('abort', abort, { once: true });
-    job.flag = canShare() ? new Int32Array(new SharedArrayBuffer(4)) : undefined;
+    job.flag = canShare() && new Int32Array(new SharedArrayBuffer(4));
     this.#jobs.push(job);
     if (this.#jobs.length === 1) this.#next();
     return () => {
@@ -126,8 +131,8 @@ class WorkerMesher {
       this.#worker ??= this.#start(module);
       this.#worker.hold(true);
       if (image?.width * image?.height > SMALL) this.#hire();
-      const given = 'mesh' in message ? { ...message, mesh: message.mesh ?? this.#mesh } : message;
-      this.#worker.post({ ...given, image: image === this.#sent ? undefined : image, flag: job.flag });
+      const mesh = image || 'read' in message ? undefined : message.mesh ?? this.#mesh;
+      this.#worker.post({ ...message, mesh, image: image === this.#sent ? undefined : image, flag: job.flag });
       job.isPosted = true;
       this.#sent = image ?? this.#sent;
     } catch (error) {
@@ -138,7 +143,7 @@ class WorkerMesher {
   #start(module) {
     const worker = this.#platform.spawn();
     const ifAtWork = (take) => (told) => { if (worker === this.#worker && this.#jobs.length > 0) take(this.#jobs[0], told); };
-    const crew = this.#crew = { module, memory: hasThreads(module) ? sharedMemory(this.#platform.maximumMemory()) : undefined, helpers: [], stacks: [] };
+    const crew = this.#crew = { module, memory: hasThreads(module) && sharedMemory(this.#platform.maximumMemory()), helpers: [], stacks: [] };
     const take = ifAtWork((job, { done, error, ...answer }) => {
       if (error && crew.memory && ['out_of_memory', 'internal'].includes(error.code)) this.#end();
       if (done) return this.#finish(job, error && { error: error.code ? new HmeshError(error.message, error.code) : new Error(error.message) });
@@ -191,11 +196,18 @@ class WorkerMesher {
 // the package; get() returns its promise.
 function kept(compile) {
   let module, source;
-  const take = (given) => { if (given) [module, source] = [undefined, given]; };
+  const take = (given) => {
+    if (!given) return;
+    module = undefined;
+    source = given;
+  };
   const get = () => {
     const begun = module ??= compile(source);
     return begun.catch((error) => {
-      if (module === begun) [module, source] = [undefined, isAddress(source) ? source : undefined];  // it may be there the next time
+      if (module === begun) {  // it may be there the next time
+        module = undefined;
+        if (!isAddress(source)) source = undefined;
+      }
       throw error;
     });
   };
