@@ -447,6 +447,18 @@ test('an address that failed is asked again, and what else failed is forgotten',
   assert.equal(asked, 8);
 });
 
+test('a promise of a module that fails is told to who wants the module, and to nobody else', async () => {
+  const told = [], tell = (error) => told.push(error);
+  process.on('unhandledRejection', tell);
+  await init({ compactWasm: Promise.reject(new Error('not there')) });
+  await new Promise(setImmediate);
+  assert.equal((await meshImage(image, { vertices: 50 })).vertices, 50);
+  process.off('unhandledRejection', tell);
+  assert.deepEqual(told, []);
+  assert.match((await errorOf(() => meshImage(image, { bytes: 300 }))).message, /not there/);
+  assert.ok((await meshImage(image, { bytes: 300, effort: 'draft' })).file.length <= 300);
+});
+
 test('hmesh.meshing.wasm makes the same meshes, and refuses with a sentence what it lacks', async () => {
   const small = await load(new URL('hmesh.meshing.wasm', folder)), mesh = small.meshImage(image, { vertices: 200 });
   assert.equal(hashOf(mesh), hashOf((await load()).meshImage(image, { vertices: 200 })));

@@ -200,6 +200,7 @@ function kept(compile) {
     if (!given) return;
     module = undefined;
     source = given;
+    given.catch?.(() => {});  // of a promise that fails who wants the module will be told
   };
   const get = () => {
     const begun = module ??= compile(source);
