@@ -9,6 +9,7 @@ import { join } from 'node:path';
 import { after, test } from 'node:test';
 import { pathToFileURL } from 'node:url';
 import { promisify } from 'node:util';
+import { runInNewContext } from 'node:vm';
 import { deflateSync } from 'node:zlib';
 import { jpegs } from './jpegs.mjs';
 import { openPage, serve, startBrowser } from './browser.mjs';
@@ -103,6 +104,13 @@ function assertSameOrLarge(bytes, told) {
   }
   return assertSame(bytes, told);
 }
+
+test('bytes of another realm, such as a frame, are as good, and so is a Buffer', () => {
+  for (const make of [(bytes) => Buffer.from(bytes), (bytes) => runInNewContext('Uint8Array').from(bytes)]) {
+    assert.deepEqual(decode(make(files[20][0])), decode(files[20][0]));
+    assert.equal(toDataURL(make(files[20][0])), toDataURL(files[20][0]));
+  }
+});
 
 test('anything that is no placeholder is null, and nothing is thrown', () => {
   const good = toText(files[20][0]);

@@ -7,14 +7,12 @@ import { ceil, max, min, readBare, refuseIf, round } from './bare.js';
 
 const LARGEST = 4096;  // characters of a text; of more no mesh of MOST_POINTS is made
 
-// From either alphabet of base64.
-const toBytes = (text) => Uint8Array.from(atob(text.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt(0));
-
 // The mesh, or null whatever is wrong with the data: no base64, no bytes, or none of a mesh.
 function read(data, size) {
   try {
-    const bytes = typeof data === 'string' ? toBytes(data) : data;
-    refuseIf(!(bytes instanceof Uint8Array && data.length <= LARGEST));
+    const bytes = typeof data === 'string'  // of either alphabet of base64
+      ? Uint8Array.from(atob(data.replace(/-/g, '+').replace(/_/g, '/')), (letter) => letter.charCodeAt()) : data;
+    refuseIf(bytes?.[Symbol.toStringTag] !== 'Uint8Array' || data.length > LARGEST);  // of any realm, as of a frame
     return readBare(bytes, size);
   } catch (error) {
     if (error && !error.code) throw error;  // no refusal, and none of atob()'s
@@ -115,7 +113,7 @@ export function paint(image, options) {
 }
 
 export function watch(root = document, options) {
-  const idle = globalThis.requestIdleCallback ?? setTimeout;
+  const idle = window.requestIdleCallback ?? setTimeout;
   let isOver;
   const near = new IntersectionObserver((entries) => entries.forEach((entry) => {
     if (entry.isIntersecting) idle(() => isOver || paint(entry.target, options), { timeout: 100 });
