@@ -166,7 +166,8 @@ export function createStage({ canvas, divider, before, after, controls, figures 
   listenToPointers(canvas, { pan, zoom, fit });
   listenToDivider();
   new ResizeObserver(resize).observe(canvas);
-  new ResizeObserver(() => isFitted && fit()).observe(controls);
+  const panels = new ResizeObserver(() => isFitted && fit());
+  for (const panel of [controls, figures]) panels.observe(panel);
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', redraw);
 
   return {

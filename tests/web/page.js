@@ -494,6 +494,8 @@ async function faultlessLayout(page) {
     ].filter(Boolean);
   }), used);
   expect(faults.length === 0, faults.join('; '));
+  const [figures, zoom] = await Promise.all(['#figures', '#zoom'].map((id) => page.locator(id).boundingBox()));
+  expect(figures.x + figures.width <= zoom.x, `figures up to ${figures.x + figures.width} px are under the zoom from ${zoom.x} px on`);
   const isWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth || visualViewport.scale !== 1);
   expect(!isWide, 'the page is wider than the window');
 }
@@ -504,6 +506,10 @@ const single = { // each with a context of its own
       await withPage({ ...PHONE, colorScheme }, async (page) => {
         await faultlessLayout(page);
         await opened(page, small);
+        await page.focus('#count');
+        await page.keyboard.press('End'); // figures of four digits
+        await counted(page, await text(page, 'wanted'));
+        await refined(page);
         await faultlessLayout(page);
         for (const id of ['more', 'save']) {
           await page.tap(`#${id}`);
