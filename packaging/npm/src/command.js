@@ -37,6 +37,9 @@ const toAddress = (path) => path.split('/').map(encodeURIComponent).join('/');
 
 const isElsewhere = (address) => /^([a-z][a-z\d+.-]*:|\/)/i.test(address);
 
+// As browsers take an address: without white space around it, and without ends of lines.
+const trim = (address) => address.replace(/^[\0- ]+|[\0- ]+$|[\t\n\r]/g, '');
+
 // The path that an address beside the page names.
 function pathOf(address) {
   const path = address.replace(/[?#].*$/s, '');
@@ -54,8 +57,8 @@ async function fill(page, folder, make) {
   const parts = [], faults = [];
   let done = 0, count = 0, base;
   for (const { name, attributes, at } of tagsOf(page)) {
-    if (name === 'base') base ??= attributes.get('href');
-    const src = attributes.get('src') ?? '', path = pathOf(src);
+    if (name === 'base' && attributes.has('href')) base ??= trim(attributes.get('href'));
+    const src = trim(attributes.get('src') ?? ''), path = pathOf(src);
     if (name !== 'img' || attributes.has('data-mesh') || !isImage(path) || isElsewhere(src) || isElsewhere(base ?? '')) continue;
     try {
       const { width, height, mesh } = await make(join(folder, pathOf(base ?? '').replace(/[^/]*$/, ''), path));

@@ -4,8 +4,12 @@
 // Their content is text, or is seen only where scripts do not run: no tags are looked for in it.
 const TEXTS = ['script', 'style', 'textarea', 'title', 'xmp', 'iframe', 'noembed', 'noframes', 'noscript'];
 
-const unescape = (text) =>
-  text.replace(/&(amp|quot|lt|gt|#39);/g, (_, name) => ({ amp: '&', quot: '"', lt: '<', gt: '>', '#39': "'" })[name]);
+// Names of what addresses need, and numbers, as which mustache has every /.
+const unescape = (text) => text.replace(/&(?:(amp|quot|lt|gt|apos)|#(\d{1,7}|x[\da-f]{1,6}));/gi, (whole, name, number) => {
+  if (name) return { amp: '&', quot: '"', lt: '<', gt: '>', apos: "'" }[name] ?? whole;
+  const code = Number(/^x/i.test(number) ? `0${number}` : number);
+  return code <= 0x10ffff ? String.fromCodePoint(code) : whole;
+});
 
 // What letters of one byte each stand for: UTF-8, or where they are not, themselves.
 function decode(letters) {
@@ -27,7 +31,7 @@ export function* tagsOf(page) {
     let found;
     while ((found = attribute.exec(page)) && !found[1]) {
       const [, , key, value = ''] = found, low = key.toLowerCase();
-      if (!attributes.has(low)) attributes.set(low, decode(unescape(value.replace(/^(["'])([^]*)\1$/, '$2'))));
+      if (!attributes.has(low)) attributes.set(low, unescape(decode(value.replace(/^(["'])([^]*)\1$/, '$2'))));
     }
     if (!found) return;  // the page ends within the tag
     tag.lastIndex = attribute.lastIndex;
