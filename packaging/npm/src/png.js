@@ -45,7 +45,12 @@ export function readPng(bytes) {
     ({ x, y, dx, dy, columns: Math.ceil((width - x) / dx), rows: Math.ceil((height - y) / dy) })).filter((pass) => pass.columns > 0 && pass.rows > 0);
   const rowSize = ({ columns }) => Math.ceil(columns * bits / 8);
   const size = passes.reduce((sum, pass) => sum + pass.rows * (1 + rowSize(pass)), 0);
-  const packed = inflateSync(Buffer.concat(parts), { maxOutputLength: size + 1 });
+  let packed;
+  try {
+    packed = inflateSync(Buffer.concat(parts), { maxOutputLength: size + 1 });
+  } catch (error) {
+    refuse(`is damaged: ${error.message}`);
+  }
   if (packed.length < size) refuse('is damaged: it ends early');
   const data = new Uint8ClampedArray(4 * width * height), isGray = kind === 0 || kind === 4;
   const hasAlpha = channels % 2 === 0, scale = 255 / largest;
