@@ -78,7 +78,8 @@ function grey(width, height) {
   head[8] = 8;
   for (let y = 0; y < height; y++)
     for (let x = 0; x < width; x++) rows[y * (width + 1) + 1 + x] = (256 * (x + y)) / (width + height);
-  return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))]);
+  const chunks = [chunk('IHDR', head), chunk('IDAT', deflateSync(rows)), chunk('IEND', Buffer.alloc(0))];
+  return Buffer.concat([Buffer.from('\x89PNG\r\n\x1a\n', 'latin1'), ...chunks]);
 }
 const sizeOfPng = (bytes) => [bytes.readUInt32BE(16), bytes.readUInt32BE(20)].join(' x ');
 
@@ -495,7 +496,8 @@ async function faultlessLayout(page) {
   }), used);
   expect(faults.length === 0, faults.join('; '));
   const [figures, zoom] = await Promise.all(['#figures', '#zoom'].map((id) => page.locator(id).boundingBox()));
-  expect(figures.x + figures.width <= zoom.x, `figures up to ${figures.x + figures.width} px are under the zoom from ${zoom.x} px on`);
+  const right = figures.x + figures.width;
+  expect(right <= zoom.x, `figures up to ${right} px are under the zoom from ${zoom.x} px on`);
   const isWide = await page.evaluate(() => document.documentElement.scrollWidth > innerWidth || visualViewport.scale !== 1);
   expect(!isWide, 'the page is wider than the window');
 }
@@ -598,11 +600,13 @@ const single = { // each with a context of its own
   async 'of a photo with longer sides than a canvas may have a smaller one is meshed, which is said'() {
     await withPage(DESKTOP, async (page) => {
       await page.evaluate(() => { document.getElementById('effort').value = 'draft'; });
-      for (const [width, height, sentence] of [[65536, 2, 'Scaled from 65,536 × 2 to 65,535 × 2 px'], [2, 70000, 'Scaled from 2 × 70,000 to 2 × 65,535 px']]) {
+      const photos = [[65536, 2, 'Scaled from 65,536 × 2 to 65,535 × 2 px'], [2, 70000, 'Scaled from 2 × 70,000 to 2 × 65,535 px']];
+      for (const [width, height, sentence] of photos) {
         await opened(page, grey(width, height), `long${width}.png`);
         await page.waitForSelector(`#view[aria-label^="long${width}: a mesh"]`, { timeout: 20000 });
         equal(await page.isVisible('#scaled') && await text(page, 'scaled'), sentence, 'it is said');
-        expect(/ dB$/.test(await text(page, 'numbers')), `it is not drawn: ${await text(page, 'numbers')}`); // nothing would be met exactly
+        const figures = await text(page, 'numbers');
+        expect(/ dB$/.test(figures), `it is not drawn: ${figures}`); // nothing would be met exactly
       }
     });
   },

@@ -149,8 +149,9 @@ export class Hmesh {
   }): Mesh;
   /** The bytes of a file. */
   write(mesh: MeshArrays, format: Format, options?: WriteOptions): Bytes;
-  /** The mesh of an .hmc file; grey becomes RGB, 16 bits become 8, and a periodic mesh one that covers its picture. Files with a start table,
-   * as the command's --bytes makes them without --no-table, are refused, and that colours are for linear light is not told. */
+  /** The mesh of an .hmc file; grey becomes RGB, 16 bits become 8, and a periodic mesh one that covers its picture. Files with a
+   * start table, as the command's --bytes makes them without --no-table, are refused, and that colours are for linear light is not
+   * told. */
   read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */
   render(mesh: MeshArrays, options?: RenderOptions): Picture;
