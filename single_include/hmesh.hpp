@@ -8191,6 +8191,16 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
+    /// Of a table, px: sums of i^2 along a row grow with the cube of its width. At 65536 px they pass 2^53 in 64 rows, with
+    /// weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
+    static constexpr int widest_table = 16384;
+    /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn: samples are whole
+    /// numbers, and all count the same. With weights slivers, whose slopes reach 1e4 a pixel, may lose more than all faces have:
+    /// of photographs of 1536 x 1024 px up to 0.5 dB, from 4096 px a row on 4 dB and more.
+    [[nodiscard]] bool has_exact_sums(double table_width) const noexcept {
+        return is_integer() && !is_weighted() && std::min<double>(table_width, width_) <= widest_table;
+    }
+
     /// The memory of the moment table of the whole image, in bytes.
     [[nodiscard]] double table_bytes() const noexcept {
         return pixels() * static_cast<double>(MomentTable<C>::pixel_bytes(width_, kind()));
@@ -8320,7 +8330,8 @@ class ImageSource {
 ///
 /// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
 /// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
-/// the whole error. The error reported for float images is therefore measured here. Cost: some 5 ns a pixel.
+/// the whole error. Weights, and rows of very many pixels, leave too few digits for slivers (ImageSource::has_exact_sums()). The
+/// error reported for such images is therefore measured here. Cost: some 5 ns a pixel.
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 
@@ -13779,7 +13790,7 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image: it is not periodic, 16384 px wide at most, and is_small() or needs no
     /// more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && source_->width() <= widest &&
+        return source_->periodic() == Periodic::none && source_->width() <= ImageSource<C>::widest_table &&
                (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
@@ -13787,7 +13798,7 @@ class TiledMesh {
     /// Whether the image is so small, 2^22 pixels, 16384 px wide and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && source_->width() <= widest &&
+        return source_->pixels() <= 4194304 && source_->width() <= ImageSource<C>::widest_table &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -13884,10 +13895,6 @@ class TiledMesh {
 
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
-
-    /// Of an image that is one table, px: sums of i^2 along a row grow with the cube of its width. At 65536 px they pass 2^53 in
-    /// 64 rows, with weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
-    static constexpr int widest = 16384;
 
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
@@ -16157,7 +16164,7 @@ namespace hmesh::kit {
 /// What is known of a mesh when it has its final colours.
 struct FinalColors {
     BoundedReport bounded;  ///< of the fit, if there was one
-    double max_error = 0;   ///< largest difference to a sample of whole numbers, see largest_error(); 0 for those of others
+    double max_error = 0;   ///< largest difference to a sample, see largest_error(); 0 for those of floats or with weights
 };
 
 namespace detail {
@@ -16167,7 +16174,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
     Array<double> largest(tiling.size(), 0.0);
     const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
-    if (tiled.source().is_integer()) tiled.measure(tiling, look);
+    if (tiled.source().is_integer() && !tiled.source().is_weighted()) tiled.measure(tiling, look);
     else tiled.measure(tiling);
     return *std::max_element(largest.begin(), largest.end());
 }
@@ -16348,7 +16355,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
-            if (source.is_integer()) out.max_error = largest_error(patch.mesh());
+            if (source.is_integer() && !source.is_weighted()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
     out.bounded = detail::colors_by_tiles(tiled, tile, range);
@@ -16903,7 +16910,7 @@ template <int C>
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
     result.mesh.premultiplied = options.premultiplied;
-    const bool is_exact = source.is_integer() && scale == nullptr;
+    const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
         return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
     };

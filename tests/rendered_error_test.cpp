@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "hmesh/lods/progressive_mesh.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/paper.hpp"
 #include "hmesh/render.hpp"
@@ -95,4 +96,36 @@ TEST_CASE("what is reported of a float image is what is drawn, a sun beside deep
         check_recipe(hmesh::Annealed{hmesh::Effort::fast});
         check_recipe(hmesh::Hierarchical());
     }
+}
+
+TEST_CASE("what is reported of an image with weights, or of one wide table, is what is drawn, and so of levels of one buffer") {
+    const auto image = hmesh_test::draw<std::uint8_t, 1>(65536, 8, [](int x, int y, int) {
+        return 0.4 + 0.24 * std::sin(0.05 * x) * std::cos(0.07 * y) + (x / 40 % 2 == 0 ? 0.2 : 0);
+    });
+    const auto weight = [](int x, int y, int) { return (97 * x + 31 * y) % 257 / 256.0; };
+    const auto about = [](double energy) { return doctest::Approx(energy).epsilon(1e-13); };
+    const auto weights = hmesh_test::draw<float, 1>(65536, 8, weight);
+    hmesh::Options options;
+    options.weights = weights.view();
+    options.target = hmesh::Target::vertices(6000);
+    const hmesh::Result wide = mesh_image(image.view(), options, hmesh::Xie());
+    REQUIRE(wide.status);
+    CHECK(wide.report.energy == about(rendered_errors(wide.mesh, image.view(), options.weights).energy));
+    const hmesh::ProgressiveMesh nested = progressive_mesh(image.view(), wide.mesh, options);
+    REQUIRE(nested.status);
+    for (const hmesh::ProgressiveLevel& level : nested.levels) {
+        Mesh drawn = nested.mesh;
+        drawn.faces = level.faces;
+        CHECK(level.energy == about(rendered_errors(drawn, image.view(), options.weights).energy));
+    }
+
+    const auto small = hmesh_test::scene<std::uint16_t, 1>(1024, 64, 3);
+    const auto small_weights = hmesh_test::draw<float, 1>(1024, 64, weight);
+    options.weights = small_weights.view();
+    options.target = hmesh::Target::vertices(600);
+    const hmesh::Result result = mesh_image(small.view(), options, hmesh::Annealed{hmesh::Effort::draft});
+    REQUIRE(result.status);
+    const hmesh::kit::RenderedError errors = rendered_errors(result.mesh, small.view(), options.weights);
+    CHECK(result.report.energy == about(errors.energy));
+    CHECK(result.report.max_error == about(errors.largest));
 }

@@ -124,7 +124,7 @@ template <int C>
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
     result.mesh.premultiplied = options.premultiplied;
-    const bool is_exact = source.is_integer() && scale == nullptr;
+    const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
         return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
     };

@@ -3,7 +3,8 @@
 ///
 /// While a mesh is fitted its energy comes from sums along the image's rows (fit/moment_table.hpp). They are exact for integer
 /// samples; those of floats lose 2^-53 of the largest sum, and where a sun of 1e6 stands beside shades of 0.1 that is more than
-/// the whole error. The error reported for float images is therefore measured here. Cost: some 5 ns a pixel.
+/// the whole error. Weights, and rows of very many pixels, leave too few digits for slivers (ImageSource::has_exact_sums()). The
+/// error reported for such images is therefore measured here. Cost: some 5 ns a pixel.
 #ifndef HMESH_FIT_RENDERED_ERROR_HPP
 #define HMESH_FIT_RENDERED_ERROR_HPP
 

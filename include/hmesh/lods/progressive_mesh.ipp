@@ -268,7 +268,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
     for (std::size_t k = 0; k < faces.size(); ++k) out.levels.push_back({counts[k], std::move(faces[k]), energies[k], 0});
     for (std::size_t k = 0; k < out.levels.size(); ++k) {
         ProgressiveLevel& level = out.levels[k];
-        if (!source.is_integer()) {
+        if (!source.has_exact_sums(source.width())) {
             Mesh drawn = out.mesh;
             drawn.faces = level.faces;
             level.energy = kit::rendered_errors(drawn, source, parallel_for).energy;

@@ -84,7 +84,7 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image: it is not periodic, 16384 px wide at most, and is_small() or needs no
     /// more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && source_->width() <= widest &&
+        return source_->periodic() == Periodic::none && source_->width() <= ImageSource<C>::widest_table &&
                (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
@@ -92,7 +92,7 @@ class TiledMesh {
     /// Whether the image is so small, 2^22 pixels, 16384 px wide and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && source_->width() <= widest &&
+        return source_->pixels() <= 4194304 && source_->width() <= ImageSource<C>::widest_table &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -189,10 +189,6 @@ class TiledMesh {
 
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
-
-    /// Of an image that is one table, px: sums of i^2 along a row grow with the cube of its width. At 65536 px they pass 2^53 in
-    /// 64 rows, with weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
-    static constexpr int widest = 16384;
 
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
