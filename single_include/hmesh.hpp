@@ -7377,10 +7377,10 @@ namespace hmesh {
 /// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and 0.6 KB for each vertex placed in the tiles
 /// at work. Of an image of up to 4194304 px all tiles are kept from phase to phase: 1.5 to 2.5 KB a vertex in all. Moment
 /// tables take 16 bytes a pixel for 8-bit RGB, 92 with weights: images of up to 4194304 px, and larger ones whose table takes
-/// 256 MiB at most, as that of 2^24 px of 8-bit RGB does, are one table where they are 16384 px wide at most; of others, and of
-/// periodic ones, each tile at work has its own. With recipes other than Annealed any image is one tile. Stack on each thread
-/// that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so that they
-/// round alike.
+/// 256 MiB at most, as that of 2^24 px of 8-bit RGB does, are one table where they are 16384 px wide at most, 4096 with weights;
+/// of others, and of periodic ones, each tile at work has its own. With recipes other than Annealed any image is one tile. Stack
+/// on each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so
+/// that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options = {},
                                                    const Recipe& recipe = {}, const ParallelFor& parallel_for = {});
@@ -8191,14 +8191,15 @@ class ImageSource {
     [[nodiscard]] bool is_integer() const noexcept { return largest_ <= 65535; }
     [[nodiscard]] double peak() const noexcept { return peak_; }  ///< value of full intensity
 
-    /// Of a table, px: sums of i^2 along a row grow with the cube of its width. At 65536 px they pass 2^53 in 64 rows, with
-    /// weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
-    static constexpr int widest_table = 16384;
+    /// Of a table by which a mesh is chosen, px: sums of i^2 along a row grow with the cube of its width. At 65536 px they pass
+    /// 2^53 in 64 rows, with weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
+    /// With weights that costs 0.6 dB of photographs and 30 dB of smooth pictures at 16384 px.
+    [[nodiscard]] int widest_table() const noexcept { return is_weighted() ? 4096 : 16384; }
     /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn: samples are whole
     /// numbers, and all count the same. With weights slivers, whose slopes reach 1e4 a pixel, may lose more than all faces have:
     /// of photographs of 1536 x 1024 px up to 0.5 dB, from 4096 px a row on 4 dB and more.
     [[nodiscard]] bool has_exact_sums(double table_width) const noexcept {
-        return is_integer() && !is_weighted() && std::min<double>(table_width, width_) <= widest_table;
+        return is_integer() && !is_weighted() && std::min<double>(table_width, width_) <= widest_table();
     }
 
     /// The memory of the moment table of the whole image, in bytes.
@@ -13787,18 +13788,18 @@ class TiledMesh {
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image: it is not periodic, 16384 px wide at most, and is_small() or needs no
-    /// more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
+    /// Whether there is a moment table of the whole image: it is not periodic, no wider than widest_table(), and is_small() or
+    /// needs no more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && source_->width() <= ImageSource<C>::widest_table &&
+        return source_->periodic() == Periodic::none && source_->width() <= source_->widest_table() &&
                (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
-    /// Whether the image is so small, 2^22 pixels, 16384 px wide and 512 MiB at most, that patches stay for the next call with
+    /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && source_->width() <= ImageSource<C>::widest_table &&
+        return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.

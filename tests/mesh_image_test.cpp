@@ -754,6 +754,18 @@ TEST_CASE("the error told of images of 65536 px a row is that of the mesh, with 
     }
 }
 
+TEST_CASE("rounding chooses no vertices of wide images with weights") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(16384, 128, 3);
+    const auto weight = [](int x, int y, int) { return (97 * x + 31 * y) % 257 / 256.0; };
+    const auto weights = hmesh_test::draw<float, 1>(16384, 128, weight);
+    hmesh::Options options;
+    options.target = hmesh::Target::percent(1);
+    options.weights = weights.view();
+    Annealed recipe;
+    recipe.effort = Effort::fast;
+    CHECK(hmesh::mesh_image(image.view(), options, recipe).report.psnr > 75);
+}
+
 TEST_CASE("what is no mesh of the image is refused as a start") {
     const auto picture = hmesh_test::scene<std::uint8_t, 3>(40, 30, 5);
     hmesh::Options options;

@@ -579,9 +579,10 @@ TEST_CASE("patches of a large image are merged at once, and the whole is the sam
 }
 
 TEST_CASE("a large image has one table where that takes 256 MiB at most") {
-    const auto has_whole_table = [](int width, int height) {
+    const auto has_whole_table = [](int width, int height, bool is_weighted = false) {
         const hmesh::Image<std::uint8_t, 3> image(width, height);
-        const ImageSource<3> source(image.view());
+        const hmesh::Image<float, 1> weights(width, height);
+        const ImageSource<3> source(image.view(), is_weighted ? weights.view() : hmesh::ImageView<float, 1>());
         ProgressReporter progress = silent();
         return TiledMesh<3>(source, {}, progress).has_whole_table();
     };
@@ -589,6 +590,8 @@ TEST_CASE("a large image has one table where that takes 256 MiB at most") {
     CHECK(!has_whole_table(16384, 260));  // 64
     CHECK(has_whole_table(16384, 256));   // small
     CHECK(!has_whole_table(16385, 2));    // too wide
+    CHECK(has_whole_table(4096, 2, true));
+    CHECK(!has_whole_table(4097, 2, true));
 }
 
 TEST_CASE("a phase tells how far it is: its patches together are all that was expected") {
