@@ -6809,17 +6809,23 @@ struct SampleRange {
         high = 0;    ///< the largest, or one above
 };
 
-/// That of an image: of whole numbers what their type can be, of others what they are.
+/// That of an image: of whole numbers what their type can be, of others what they are in the channels whose weight is not 0; with
+/// no weights, in all.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view) {
+[[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view, const std::vector<double>& weights = {}) {
     SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
     if constexpr (!PixelTraits<T>::is_integer) {
-        range.low = range.high = PixelTraits<T>::to_real(*view.data);
-        for (int y = 0; y < view.height; ++y) {
-            const T* const row = view.row(y);
-            for (std::ptrdiff_t i = 0; i < std::ptrdiff_t{view.width} * C; ++i) {
-                range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
-                range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
+        bool is_first = true;
+        for (int c = 0; c < C; ++c) {
+            if (!weights.empty() && weights[static_cast<std::size_t>(c)] == 0) continue;
+            if (is_first) range.low = range.high = PixelTraits<T>::to_real(view.data[c]);
+            is_first = false;
+            for (int y = 0; y < view.height; ++y) {
+                const T* const row = view.row(y);
+                for (std::ptrdiff_t i = c; i < std::ptrdiff_t{view.width} * C; i += C) {
+                    range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
+                    range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
+                }
             }
         }
     }
@@ -17085,7 +17091,7 @@ template <class T, int C>
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
-        scale = kit::channel_scale<C>(kit::sample_range(image), options.channel_weights);
+        scale = kit::channel_scale<C>(kit::sample_range(image, options.channel_weights), options.channel_weights);
         fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }

@@ -160,6 +160,21 @@ TEST_CASE("a channel that counts more is more like the image, and one that count
     CHECK(mean < 0.1 * 255 * 255);  // far better than any one colour
 }
 
+TEST_CASE("what a float channel that counts nothing holds moves no vertex") {
+    const auto picture = [](double largest) {
+        return hmesh_test::draw<float, 4>(96, 80, [=](int x, int y, int c) {
+            return c == 3 ? largest * ((7 * x + 3 * y) % 100) / 100 : 0.5 + 0.4 * std::sin(0.1 * x + c) * std::cos(0.13 * y);
+        });
+    };
+    Options options;
+    options.target = Target::vertices(200);
+    options.channel_weights = {1, 1, 1, 0};
+    const Result small = mesh_image(picture(1e-3).view(), options), large = mesh_image(picture(1e6).view(), options);
+    CHECK(small.mesh.positions == large.mesh.positions);
+    CHECK(small.mesh.faces == large.mesh.faces);
+    CHECK(small.report.energy == large.report.energy);
+}
+
 TEST_CASE("weights of channels go with those of pixels, a PSNR as the target, a start, and any number of threads") {
     const auto image = hmesh_test::draw<std::uint8_t, 3>(300, 280, hmesh_test::Scene(300, 280, 2));
     const auto pixels = hmesh_test::random_weights(300, 280, 5);

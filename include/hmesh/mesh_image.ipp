@@ -298,7 +298,7 @@ template <class T, int C>
     std::optional<kit::ImageSource<C>> fitted;
     double channels = C;
     if (kit::differ(options.channel_weights)) {
-        scale = kit::channel_scale<C>(kit::sample_range(image), options.channel_weights);
+        scale = kit::channel_scale<C>(kit::sample_range(image, options.channel_weights), options.channel_weights);
         fitted.emplace(source.with_scale(scale));
         channels = scale.sum();
     }

@@ -35,17 +35,17 @@ namespace hmesh::detail {
     return {Errc::target_out_of_range, "a mesh has not so many vertices", wanted, kit::max_pixels};
 }
 
-/// Looks at all samples once: whether they are finite, and between which values they lie.
+/// Looks at all samples once: whether they are finite, and between which values those of channels that count lie.
 template <class T, int C>
-[[nodiscard]] HMESH_COLD Status look_at_samples(const kit::ReadImage<T, C>& image, const ParallelFor& parallel_for,
-                                                kit::SampleRange& range) {
+[[nodiscard]] HMESH_COLD Status look_at_samples(const kit::ReadImage<T, C>& image, const std::vector<double>& channel_weights,
+                                                const ParallelFor& parallel_for, kit::SampleRange& range) {
     constexpr std::size_t band = 32;
     const auto rows = static_cast<std::size_t>(image.height());
     std::vector<kit::SampleRange> ranges((rows + band - 1) / band);
     std::vector<Status> statuses(ranges.size());
     kit::for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         const kit::Rect rect{0, static_cast<int>(begin), image.width(), static_cast<int>(end - begin)};
-        ranges[begin / band] = kit::sample_range(image.fetch(rect, statuses[begin / band]).view());
+        ranges[begin / band] = kit::sample_range(image.fetch(rect, statuses[begin / band]).view(), channel_weights);
     });
     if (image.has_failed()) return image.status();
     range = ranges.front();
@@ -66,7 +66,7 @@ template <class T, int C>
     result.status = kit::check_weights(options.weights, width, height, parallel_for);
     if (result.status && options.samples == Samples::points) result.status = check_points(width, height);
     if constexpr (!PixelTraits<T>::is_integer)
-        if (result.status) result.status = look_at_samples(image, parallel_for, range);
+        if (result.status) result.status = look_at_samples(image, options.channel_weights, parallel_for, range);
     if (!result.status) return result;
 
     const double unit = kit::weight_unit(options.weights, parallel_for);
