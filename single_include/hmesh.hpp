@@ -348,21 +348,15 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
-/// Whether the value is neither NaN nor infinite.
-[[nodiscard]] inline bool is_finite(const double& value) noexcept {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
-}
-
-/// Whether the value is NaN.
-[[nodiscard]] inline bool is_nan(const double& value) noexcept {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    return (bits & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
-}
 
 namespace detail {
+
+/// The bits of a double.
+[[nodiscard]] inline std::uint64_t bits_of_double(const double& value) noexcept {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
 
 /// The double with these bits. Infinity and NaN are made of them, because compilers that assume finite numbers warn of the
 /// constants, and of whatever is called infinity.
@@ -378,6 +372,14 @@ namespace detail {
 
 }  // namespace detail
 
+/// Whether the value is neither NaN nor infinite.
+[[nodiscard]] inline bool is_finite(const double& value) noexcept {
+    return (detail::bits_of_double(value) & 0x7FF0000000000000U) != 0x7FF0000000000000U;
+}
+/// Whether the value is NaN.
+[[nodiscard]] inline bool is_nan(const double& value) noexcept {
+    return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
+}
 /// Whether low <= value <= high; false for NaN.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
@@ -6815,18 +6817,18 @@ template <class T, int C>
 [[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view, const std::vector<double>& weights = {}) {
     SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
     if constexpr (!PixelTraits<T>::is_integer) {
-        bool is_first = true;
-        for (int c = 0; c < C; ++c) {
-            if (!weights.empty() && weights[static_cast<std::size_t>(c)] == 0) continue;
-            if (is_first) range.low = range.high = PixelTraits<T>::to_real(view.data[c]);
-            is_first = false;
-            for (int y = 0; y < view.height; ++y) {
-                const T* const row = view.row(y);
-                for (std::ptrdiff_t i = c; i < std::ptrdiff_t{view.width} * C; i += C) {
-                    range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
-                    range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
+        const auto counts = [&](int c) { return weights.empty() || weights[static_cast<std::size_t>(c)] != 0; };
+        int first = 0;
+        while (first + 1 < C && !counts(first)) ++first;
+        range.low = range.high = PixelTraits<T>::to_real(view.data[first]);
+        for (int y = 0; y < view.height; ++y) {
+            const T* sample = view.row(y);
+            for (int x = 0; x < view.width; ++x)
+                for (int c = 0; c < C; ++c, ++sample) {
+                    if (!counts(c)) continue;
+                    range.low = std::min(range.low, PixelTraits<T>::to_real(*sample));
+                    range.high = std::max(range.high, PixelTraits<T>::to_real(*sample));
                 }
-            }
         }
     }
     return range;
@@ -8201,11 +8203,13 @@ class ImageSource {
     /// 2^53 in 64 rows, with weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
     /// With weights that costs 0.6 dB of photographs and 30 dB of smooth pictures at 16384 px.
     [[nodiscard]] int widest_table() const noexcept { return is_weighted() ? 4096 : 16384; }
-    /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn: samples are whole
-    /// numbers, and all count the same. With weights slivers, whose slopes reach 1e4 a pixel, may lose more than all faces have:
-    /// of photographs of 1536 x 1024 px up to 0.5 dB, from 4096 px a row on 4 dB and more.
+    /// Whether samples are whole numbers that all count the same.
+    [[nodiscard]] bool has_plain_samples() const noexcept { return is_integer() && !is_weighted(); }
+    /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn. With weights slivers,
+    /// whose slopes reach 1e4 a pixel, may lose more than all faces have: of photographs of 1536 x 1024 px up to 0.5 dB, from
+    /// 4096 px a row on 4 dB and more.
     [[nodiscard]] bool has_exact_sums(double table_width) const noexcept {
-        return is_integer() && !is_weighted() && std::min<double>(table_width, width_) <= widest_table();
+        return has_plain_samples() && std::min<double>(table_width, width_) <= widest_table();
     }
 
     /// The memory of the moment table of the whole image, in bytes.
@@ -13797,15 +13801,14 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image: it is not periodic, no wider than widest_table(), and is_small() or
     /// needs no more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && source_->width() <= source_->widest_table() &&
-               (is_small() || source_->table_bytes() <= 268435456.0);
+        return source_->periodic() == Periodic::none && is_narrow() && (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
+        return source_->pixels() <= 4194304 && is_narrow() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -13902,6 +13905,9 @@ class TiledMesh {
 
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
+
+    /// Whether rows are so short that a table of the whole chooses meshes well.
+    [[nodiscard]] bool is_narrow() const noexcept { return source_->width() <= source_->widest_table(); }
 
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
@@ -16181,7 +16187,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
     Array<double> largest(tiling.size(), 0.0);
     const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
-    if (tiled.source().is_integer() && !tiled.source().is_weighted()) tiled.measure(tiling, look);
+    if (tiled.source().has_plain_samples()) tiled.measure(tiling, look);
     else tiled.measure(tiling);
     return *std::max_element(largest.begin(), largest.end());
 }
@@ -16362,7 +16368,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
-            if (source.is_integer() && !source.is_weighted()) out.max_error = largest_error(patch.mesh());
+            if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
     out.bounded = detail::colors_by_tiles(tiled, tile, range);

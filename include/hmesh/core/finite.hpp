@@ -23,21 +23,15 @@ static_assert(std::numeric_limits<float>::is_iec559 && std::numeric_limits<doubl
     std::memcpy(&bits, &value, sizeof bits);
     return (bits & 0x7F800000U) != 0x7F800000U;
 }
-/// Whether the value is neither NaN nor infinite.
-[[nodiscard]] inline bool is_finite(const double& value) noexcept {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    return (bits & 0x7FF0000000000000U) != 0x7FF0000000000000U;
-}
-
-/// Whether the value is NaN.
-[[nodiscard]] inline bool is_nan(const double& value) noexcept {
-    std::uint64_t bits = 0;
-    std::memcpy(&bits, &value, sizeof bits);
-    return (bits & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
-}
 
 namespace detail {
+
+/// The bits of a double.
+[[nodiscard]] inline std::uint64_t bits_of_double(const double& value) noexcept {
+    std::uint64_t bits = 0;
+    std::memcpy(&bits, &value, sizeof bits);
+    return bits;
+}
 
 /// The double with these bits. Infinity and NaN are made of them, because compilers that assume finite numbers warn of the
 /// constants, and of whatever is called infinity.
@@ -53,6 +47,14 @@ namespace detail {
 
 }  // namespace detail
 
+/// Whether the value is neither NaN nor infinite.
+[[nodiscard]] inline bool is_finite(const double& value) noexcept {
+    return (detail::bits_of_double(value) & 0x7FF0000000000000U) != 0x7FF0000000000000U;
+}
+/// Whether the value is NaN.
+[[nodiscard]] inline bool is_nan(const double& value) noexcept {
+    return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
+}
 /// Whether low <= value <= high; false for NaN.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;

@@ -153,11 +153,13 @@ class ImageSource {
     /// 2^53 in 64 rows, with weights (WeightScale) in 2, and what rounding takes of them is multiplied by squares of slopes.
     /// With weights that costs 0.6 dB of photographs and 30 dB of smooth pictures at 16384 px.
     [[nodiscard]] int widest_table() const noexcept { return is_weighted() ? 4096 : 16384; }
-    /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn: samples are whole
-    /// numbers, and all count the same. With weights slivers, whose slopes reach 1e4 a pixel, may lose more than all faces have:
-    /// of photographs of 1536 x 1024 px up to 0.5 dB, from 4096 px a row on 4 dB and more.
+    /// Whether samples are whole numbers that all count the same.
+    [[nodiscard]] bool has_plain_samples() const noexcept { return is_integer() && !is_weighted(); }
+    /// Whether the energy of a mesh, as tables of this width tell it, is that of the mesh as it is drawn. With weights slivers,
+    /// whose slopes reach 1e4 a pixel, may lose more than all faces have: of photographs of 1536 x 1024 px up to 0.5 dB, from
+    /// 4096 px a row on 4 dB and more.
     [[nodiscard]] bool has_exact_sums(double table_width) const noexcept {
-        return is_integer() && !is_weighted() && std::min<double>(table_width, width_) <= widest_table();
+        return has_plain_samples() && std::min<double>(table_width, width_) <= widest_table();
     }
 
     /// The memory of the moment table of the whole image, in bytes.

@@ -100,18 +100,18 @@ template <class T, int C>
 [[nodiscard]] HMESH_COLD SampleRange sample_range(const ImageView<T, C>& view, const std::vector<double>& weights = {}) {
     SampleRange range{PixelTraits<T>::lowest, PixelTraits<T>::highest};
     if constexpr (!PixelTraits<T>::is_integer) {
-        bool is_first = true;
-        for (int c = 0; c < C; ++c) {
-            if (!weights.empty() && weights[static_cast<std::size_t>(c)] == 0) continue;
-            if (is_first) range.low = range.high = PixelTraits<T>::to_real(view.data[c]);
-            is_first = false;
-            for (int y = 0; y < view.height; ++y) {
-                const T* const row = view.row(y);
-                for (std::ptrdiff_t i = c; i < std::ptrdiff_t{view.width} * C; i += C) {
-                    range.low = std::min(range.low, PixelTraits<T>::to_real(row[i]));
-                    range.high = std::max(range.high, PixelTraits<T>::to_real(row[i]));
+        const auto counts = [&](int c) { return weights.empty() || weights[static_cast<std::size_t>(c)] != 0; };
+        int first = 0;
+        while (first + 1 < C && !counts(first)) ++first;
+        range.low = range.high = PixelTraits<T>::to_real(view.data[first]);
+        for (int y = 0; y < view.height; ++y) {
+            const T* sample = view.row(y);
+            for (int x = 0; x < view.width; ++x)
+                for (int c = 0; c < C; ++c, ++sample) {
+                    if (!counts(c)) continue;
+                    range.low = std::min(range.low, PixelTraits<T>::to_real(*sample));
+                    range.high = std::max(range.high, PixelTraits<T>::to_real(*sample));
                 }
-            }
         }
     }
     return range;

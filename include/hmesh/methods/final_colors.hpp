@@ -41,7 +41,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
     Array<double> largest(tiling.size(), 0.0);
     const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
-    if (tiled.source().is_integer() && !tiled.source().is_weighted()) tiled.measure(tiling, look);
+    if (tiled.source().has_plain_samples()) tiled.measure(tiling, look);
     else tiled.measure(tiling);
     return *std::max_element(largest.begin(), largest.end());
 }
@@ -222,7 +222,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
-            if (source.is_integer() && !source.is_weighted()) out.max_error = largest_error(patch.mesh());
+            if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh());
         }))
         return out;
     out.bounded = detail::colors_by_tiles(tiled, tile, range);

@@ -84,15 +84,14 @@ class TiledMesh {
     /// Whether there is a moment table of the whole image: it is not periodic, no wider than widest_table(), and is_small() or
     /// needs no more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && source_->width() <= source_->widest_table() &&
-               (is_small() || source_->table_bytes() <= 268435456.0);
+        return source_->periodic() == Periodic::none && is_narrow() && (is_small() || source_->table_bytes() <= 268435456.0);
     }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
+        return source_->pixels() <= 4194304 && is_narrow() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -189,6 +188,9 @@ class TiledMesh {
 
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
+
+    /// Whether rows are so short that a table of the whole chooses meshes well.
+    [[nodiscard]] bool is_narrow() const noexcept { return source_->width() <= source_->widest_table(); }
 
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {

@@ -89,8 +89,8 @@ std::vector<std::size_t> share_out(const std::vector<Curve>& curves, const std::
 std::vector<double> side_tolerances(double peak, bool is_open) {
     std::vector<double> tolerances;
     const double least = is_open ? std::exp2(-64) : 0.2;
-    for (int k = is_open ? -64 : 2; peak * std::exp2(-k) > least;
-         ++k)  // products and powers of two, which all machines round alike
+    // Products and powers of two, which all machines round alike.
+    for (int k = is_open ? -64 : 2; peak * std::exp2(-k) > least; ++k)
         for (const double step : {1.0, 0.7}) tolerances.push_back(step * (peak * std::exp2(-k)));
     return tolerances;
 }
