@@ -966,8 +966,7 @@ template <class Thing>
 #if defined(__GNUC__) && !defined(__clang__) && defined(__SSE2__)
 #define HMESH_CONVERTS_PAIRS 1
 #endif
-// Registers of four integers, and of two doubles. Where there are some of four doubles, integers gain nothing.
-#if defined(__GNUC__) && ((defined(__SSE2__) && !defined(__AVX__)) || defined(__wasm_simd128__))
+#if defined(__GNUC__) && (defined(__SSE2__) || defined(__wasm_simd128__))
 #define HMESH_HAS_INT_REGISTERS 1
 #endif
 
@@ -1314,10 +1313,11 @@ template <int N>
 struct IntLanes {
 #if defined(HMESH_HAS_INT_REGISTERS)
     using Block = std::uint32_t __attribute__((vector_size(16)));  ///< the type of the register
-    static constexpr bool is_register = true;                      ///< whether four integers cost what two doubles do
+    /// Whether four integers cost what two doubles do: there is a register of integers, and none of four doubles.
+    static constexpr bool is_cheaper = Lanes<4>::blocks > 1;
 #else
     using Block = std::array<std::uint32_t, 4>;  ///< four numbers
-    static constexpr bool is_register = false;   ///< whether four integers cost what two doubles do
+    static constexpr bool is_cheaper = false;    ///< whether four integers cost what two doubles do
 #endif
     Block block;  ///< all lanes, as they are without a sign
 
@@ -1333,6 +1333,30 @@ struct IntLanes {
         IntLanes r;
         std::memcpy(&r.block, from, sizeof r.block);
         return r;
+    }
+    /// In each lane the integers of 16 bits at lower[i] and, in the upper half, at upper[i].
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes halves(const std::int16_t* lower, const std::int16_t* upper) {
+#if defined(HMESH_HAS_INT_REGISTERS)
+        using Shorts = short __attribute__((vector_size(16)));
+        using Pair = long long __attribute__((vector_size(16)));
+        long long low, high;
+        std::memcpy(&low, lower, sizeof low);
+        std::memcpy(&high, upper, sizeof high);
+        const auto x = reinterpret_cast<Shorts>(Pair{low, 0}), y = reinterpret_cast<Shorts>(Pair{high, 0});
+#if defined(__clang__)
+        return IntLanes{reinterpret_cast<Block>(__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11))};
+#else
+        return IntLanes{reinterpret_cast<Block>(__builtin_shuffle(x, y, Shorts{0, 8, 1, 9, 2, 10, 3, 11}))};
+#endif
+#else
+        IntLanes r;
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] = half_pair(lower[i], upper[i]);
+        return r;
+#endif
+    }
+    /// The same two integers of 16 bits in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes halves(int lower, int upper) {
+        return all(static_cast<std::int32_t>(half_pair(lower, upper)));
     }
     /// The bytes of an integer, each in a lane, the lowest in the first.
     [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes bytes(std::int32_t from) {
@@ -1369,6 +1393,16 @@ struct IntLanes {
     /// The product, lane by lane, of numbers from 0 to 2^15 - 1; where one is 0, the other may be any.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes small_product(const IntLanes& a, const IntLanes& b) {
 #if defined(HMESH_HAS_INT_REGISTERS)
+        return product_of_halves(a, b);
+#else
+        IntLanes r;
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
+        return r;
+#endif
+    }
+    /// Lane by lane the product of the lower halves and that of the upper ones, added: of integers of 16 bits with their signs.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes product_of_halves(const IntLanes& a, const IntLanes& b) {
+#if defined(HMESH_HAS_INT_REGISTERS)
         using Shorts = short __attribute__((vector_size(16)));
         const auto x = reinterpret_cast<Shorts>(a.block), y = reinterpret_cast<Shorts>(b.block);
 #if defined(__wasm__)
@@ -1378,11 +1412,16 @@ struct IntLanes {
 #endif
 #else
         IntLanes r;
-        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t x = a.block[i], y = b.block[i];
+            r.block[i] = half(x) * half(y) + half(x >> 16U) * half(y >> 16U);
+        }
         return r;
 #endif
     }
 
+    /// Writes four integers to memory, which need not be aligned.
+    HMESH_ALWAYS_INLINE void store(std::int32_t* to) const { std::memcpy(to, &block, sizeof block); }
     /// Lane i, 0 <= i < 4.
     [[nodiscard]] HMESH_ALWAYS_INLINE std::int32_t operator[](int i) const {
         return static_cast<std::int32_t>(block[static_cast<std::size_t>(i)]);
@@ -1390,18 +1429,28 @@ struct IntLanes {
     /// The lanes as doubles.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<4> doubles() const {
         Lanes<4> r;
-#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
+#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__) && !defined(__AVX__)
         using Ints = std::int32_t __attribute__((vector_size(16)));
         const auto ints = reinterpret_cast<Ints>(block);
         r.block[0] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 0, 1), Lanes<4>::Block);
         r.block[1] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 2, 3), Lanes<4>::Block);
-#elif defined(HMESH_HAS_INT_REGISTERS)
+#elif defined(HMESH_HAS_INT_REGISTERS) && !defined(__AVX__)
         const auto ints = reinterpret_cast<detail::FourInts>(block);
         r.block[0] = detail::converted_pair(ints, false), r.block[1] = detail::converted_pair(ints, true);
 #else
         for (int i = 0; i < 4; ++i) r.set(i, (*this)[i]);
 #endif
         return r;
+    }
+
+  private:
+    /// Two integers of 16 bits, in the halves of one of 32.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::uint32_t half_pair(int lower, int upper) {
+        return (static_cast<std::uint32_t>(upper) << 16U) | (static_cast<std::uint32_t>(lower) & 0xffffU);
+    }
+    /// The lower half, an integer of 16 bits, with its sign.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::uint32_t half(std::uint32_t bits) {
+        return ((bits & 0xffffU) ^ 0x8000U) - 0x8000U;
     }
 };
 
@@ -6181,16 +6230,18 @@ namespace kit {
 /// Reads pixels of any sample type as real numbers, so that what works on them is compiled once: writes the samples of the
 /// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
 using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
+/// The same of samples that are integers of magnitude 32767 at most.
+using IntegerReader = FunctionRef<void(int x, int y, int count, std::int16_t* to)>;
 
-/// Reads pixels of a view as a PixelReader does, all of which must lie in it. The row four below, which a tile's reading comes to
-/// by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
-template <class T, int C>
-void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
+/// Reads pixels of a view as a PixelReader or an IntegerReader does, all of which must lie in it. The row four below, which a
+/// tile's reading comes to by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
+template <class T, int C, class Number>
+void read_pixels(const ImageView<T, C>& view, int x, int y, int count, Number* to) noexcept {
     const T* const from = view.pixel(x, y);
     const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
     constexpr int in_line = sizeof(T) < 64 ? static_cast<int>(64 / sizeof(T)) : 1;  // samples may be larger than a cache line
     for (int i = 0; i < count * C; i += in_line) HMESH_PREFETCH(later + i);
-    for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
+    for (int i = 0; i < count * C; ++i) to[i] = static_cast<Number>(PixelTraits<T>::to_real(from[i]));
 }
 
 /// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
@@ -7742,10 +7793,11 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : MomentTable(
-              rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
-              [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
-              {largest_sample<T>(), PixelTraits<T>::lowest < 0, weights.data != nullptr}, parallel_for) {
+        : MomentTable(rect,
+                      {[&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+                       [&](int x, int y, int count, std::int16_t* to) { read_pixels(view, x, y, count, to); },
+                       [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); }},
+                      {largest_sample<T>(), PixelTraits<T>::lowest < 0, weights.data != nullptr}, parallel_for) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
@@ -7757,9 +7809,14 @@ class MomentTable {
         bool is_signed;    ///< whether there may be samples < 0
         bool is_weighted;  ///< whether pixels have weights
     };
-    /// The table of the pixels of `rect`, from wherever they are read. `weights` are as WeightScale rounds them, and only read
-    /// where there are some. Both are called on any thread.
-    MomentTable(const Rect& rect, PixelReader pixels, PixelReader weights, const Kind& kind, const ParallelFor& parallel_for = {})
+    /// What reads the pixels of a table, one of the first two, on any thread.
+    struct Readers {
+        PixelReader samples;     ///< where sums are doubles
+        IntegerReader integers;  ///< where sums are 32-bit integers
+        PixelReader weights;     ///< as WeightScale rounds them, where there are some
+    };
+    /// The table of the pixels of `rect`, from wherever they are read.
+    MomentTable(const Rect& rect, const Readers& read, const Kind& kind, const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(kind.is_weighted),
           int32_(!weighted_ && fits_32_bits(rect.width, kind)) {
         HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
@@ -7777,9 +7834,9 @@ class MomentTable {
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
-            if (int32_) fill_pairs(rect, pixels, begin, end);
-            else if (!weighted_) fill(rect, pixels, begin, end);
-            else fill_weighted(rect, pixels, weights, begin, end);
+            if (int32_) fill_pairs(rect, read.integers, begin, end);
+            else if (!weighted_) fill(rect, read.samples, begin, end);
+            else fill_weighted(rect, read.samples, read.weights, begin, end);
         });
     }
     /// The memory of a pixel in a table of such pixels and of this width, in bytes.
@@ -7912,14 +7969,13 @@ class MomentTable {
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
     static constexpr int chunk = 64;                    ///< most pixels read at once, an even number
-    static constexpr int pairs_chunk = 320;             ///< the same where these become pairs: a row of a tile of 256 px
 
-    /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them; with bytes, whether
-    /// columns fit 15 bits too.
+    /// Whether all sums over rows of this width fit 32-bit integers, samples and columns an IntegerReader's 16 bits and, where a
+    /// pair has bytes for samples, these.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
         const double largest = 2147483647.0, sample = kind.largest;
-        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
-               (!has_bytes || (sample <= 255 && !kind.is_signed && width <= 32768));
+        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest && sample <= 32767 &&
+               width <= 32768 && (!has_bytes || (sample <= 255 && !kind.is_signed));
     }
 
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t pair_offset(int x, int y) const noexcept {
@@ -7935,56 +7991,72 @@ class MomentTable {
         return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
-    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= most of them from column x0 on,
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
     /// run after run, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
     /// RGB: takes a third of the time of row by row.
-    template <int most = chunk, class Body>
-    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
-        double samples[most * std::size_t{C} + numbers] = {};  // as many as are loaded as lanes of the last one
-        for (int x0 = 0; x0 < width_; x0 += most)
+    template <class Number, class Body>
+    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, FunctionRef<void(int, int, int, Number*)> pixels, int begin, int end,
+                                          Body&& body) const {
+        Number samples[(chunk + 1) * std::size_t{C} + 4] = {};  // as many as are loaded with the last one and its neighbour
+        for (int x0 = 0; x0 < width_; x0 += chunk)
             for (int y = begin; y < end; ++y) {
-                const int count = std::min(width_ - x0, most);
+                const int count = std::min(width_ - x0, chunk);
                 pixels(rect.x + x0, rect.y + y, count, samples);
                 body(y, x0, count, samples);
             }
     }
 
-    void fill_pairs(const Rect& rect, PixelReader pixels, int begin, int end) {
-        struct Sums {
-            Entry entry;
-            Channels squares;
-        };
-        Sums sums[band];
-        for (Sums& of_row : sums) of_row.entry.of_samples = of_row.entry.by_column = of_row.squares = Channels::zero();
-        for_each_run<pairs_chunk>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
-            Sums sum = sums[y - begin];
-            std::size_t at = pair_offset(x0, y);
-            for (int i = 0; i <= count; i += 2, at += strip_size_, pixel += std::ptrdiff_t{2} * C) {
-                std::int32_t* const to = int32_entries_.data() + at;
-                sum.entry.of_samples.store(to);
-                sum.entry.by_column.store(to + lanes);
-                double squares = 0;
-                for (int c = 0; c < C; ++c) squares += sum.squares[c];
-                to[lanes + C] = static_cast<std::int32_t>(squares);
-                keep(pixel, to);  // where i == count, what nobody looks at
-                if (i == count) break;
-                // Two pixels at once, which sums of whole numbers allow: additions wait for each other. The lanes above the
-                // channels are of the next pixel, and never looked at; no more is a pixel beyond the last of a row.
-                const Channels one = Channels::load(pixel), other = Channels::load(pixel + C);
-                const Channels both = one + other;
-                sum.entry.of_samples += both;
-                sum.entry.by_column += both * (x0 + i) + other;
-                sum.squares += one * one;
-                sum.squares += other * other;
-            }
-            sums[y - begin] = sum;
+    /// The sums over the pixels of a row so far, of four channels.
+    struct FourSums {
+        IntLanes of_samples, by_column;
+        std::uint32_t squares;
+    };
+    static constexpr std::size_t fours = (C + 3) / 4;  ///< groups of four channels
+
+    void fill_pairs(const Rect& rect, IntegerReader pixels, int begin, int end) {
+        FourSums sums[band][fours];
+        for (auto& of_row : sums)
+            for (FourSums& of_four : of_row) of_four = {IntLanes::zero(), IntLanes::zero(), 0};
+        for_each_run<std::int16_t>(rect, pixels, begin, end, [&](int y, int x0, int count, const std::int16_t* pixel) {
+            write_pairs<0>(x0, count, pixel, int32_entries_.data() + pair_offset(x0, y), sums[y - begin]);
         });
     }
+    /// Writes the pairs of a run of a row from column x0 on, the first to `pair`, of the channels from `first` on.
+    template <int first>
+    HMESH_ALWAYS_INLINE void write_pairs(int x0, int count, const std::int16_t* pixels, std::int32_t* pair,
+                                         FourSums (&sums)[fours]) const {
+        FourSums sum = sums[first / 4];
+        IntLanes columns = IntLanes::halves(x0, x0 + 1);
+        const std::int16_t* pixel = pixels + first;
+        std::size_t at = 0;
+        for (int i = 0; i <= count; i += 2, pixel += std::ptrdiff_t{2} * C, at += strip_size_) {
+            std::int32_t* const to = pair + at;
+            const std::int32_t squares_before = first > 0 ? to[lanes + C] : 0;  // what is stored next may cover them
+            store(sum.of_samples, to + first);
+            store(sum.by_column, to + lanes + first);
+            to[lanes + C] = squares_before + static_cast<std::int32_t>(sum.squares);
+            if constexpr (first == 0) keep(pixel, to);  // where i == count, what nobody looks at
+            if (i == count) break;
+            // Nobody looks at lanes above the channels either, nor at sums with a pixel beyond the last of a row.
+            const IntLanes both = IntLanes::halves(pixel, pixel + C), squares = product_of_halves(both, both);
+            sum.of_samples += product_of_halves(both, IntLanes::halves(1, 1));
+            sum.by_column += product_of_halves(both, columns);
+            for (int c = 0; c < std::min(C - first, 4); ++c) sum.squares += static_cast<std::uint32_t>(squares[c]);
+            columns += IntLanes::halves(2, 2);
+        }
+        sums[first / 4] = sum;
+        if constexpr (first + 4 < C) write_pairs<first + 4>(x0, count, pixels, pair, sums);
+    }
+    /// Writes the sums of four channels, or of the first alone where there are no more.
+    static HMESH_ALWAYS_INLINE void store(const IntLanes& sums, std::int32_t* to) noexcept {
+        if constexpr (C == 1) *to = sums[0];
+        else sums.store(to);
+    }
     /// Writes a pixel's samples into a pair.
-    static HMESH_ALWAYS_INLINE void keep(const double* samples, std::int32_t* pair) noexcept {
-        if constexpr (has_bytes) pair[C] = static_cast<std::int32_t>(samples[0] + 256 * samples[1] + 65536 * samples[2]);
+    static HMESH_ALWAYS_INLINE void keep(const std::int16_t* samples, std::int32_t* pair) noexcept {
+        if constexpr (has_bytes) pair[C] = samples[0] | samples[1] << 8 | samples[2] << 16;
         else
-            for (int c = 0; c < C; ++c) pair[pixel_at + c] = static_cast<std::int32_t>(samples[c]);
+            for (int c = 0; c < C; ++c) pair[pixel_at + c] = samples[c];
     }
 
     void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
@@ -7993,7 +8065,7 @@ class MomentTable {
         // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
         double added[chunk][numbers] = {};
         for (auto& of_pixel : added) of_pixel[C] = 1;
-        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+        for_each_run<double>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             for (int i = 0; i < count; ++i, pixel += C) {
                 double square = 0;
                 for (int c = 0; c < C; ++c) {
@@ -8019,7 +8091,7 @@ class MomentTable {
 
     void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
         double sums[band][numbers] = {}, powers[band][2] = {};
-        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+        for_each_run<double>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             double *const sum = sums[y - begin], *const power = powers[y - begin];
             double weight[chunk];
             weights(rect.x + x0, rect.y + y, count, weight);
@@ -8096,7 +8168,10 @@ struct SourceWindow {
     /// ImageSource::pixel() of pixel (i, j).
     [[nodiscard]] HMESH_ALWAYS_INLINE auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
     /// ImageSource::read() from pixel (i, j).
-    void read(int i, int j, int count, double* to) const noexcept { source.read(i - x, j - y, count, to); }
+    template <class Number>
+    void read(int i, int j, int count, Number* to) const noexcept {
+        source.read(i - x, j - y, count, to);
+    }
 };
 
 /// How a source looks at an image that is not in memory (fit/read_source.hpp).
@@ -8125,7 +8200,8 @@ class ImageSource {
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : ImageSource({view.data, view.width, view.height, view.row_stride, PixelTraits<T>::lowest, PixelTraits<T>::highest,
-                       PixelTraits<T>::peak, MomentTable<C>::template largest_sample<T>(), &read_view<T>},
+                       PixelTraits<T>::peak, MomentTable<C>::template largest_sample<T>(), &read_view<T, double>,
+                       &read_view<T, std::int16_t>},
                       weights, unit) {}
 
     /// The same weights with other pixels, an image of the same size.
@@ -8221,9 +8297,11 @@ class ImageSource {
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         MomentTable<C> table;
         with_window(rect, [&](const SourceWindow<C>& window) {
-            table = MomentTable<C>(
-                rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
-                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, kind(), parallel_for);
+            table = MomentTable<C>(rect,
+                                   {[&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
+                                    [&](int x, int y, int count, std::int16_t* to) { window.read(x, y, count, to); },
+                                    [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }},
+                                   kind(), parallel_for);
         });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
@@ -8238,6 +8316,13 @@ class ImageSource {
         for_each_part(x, y, count, [&](int from, int row, int part) {
             read_(*this, from, row, part, to);
             if (scale_ != nullptr) scale_->to_samples(to, part);
+            to += std::ptrdiff_t{C} * part;
+        });
+    }
+    /// The same of a source without scale(), as an IntegerReader does.
+    void read(int x, int y, int count, std::int16_t* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            read_integers_(*this, from, row, part, to);
             to += std::ptrdiff_t{C} * part;
         });
     }
@@ -8280,11 +8365,12 @@ class ImageSource {
         double low, high, peak;
         double largest;  ///< as MomentTable::Kind has it
         void (*read)(const ImageSource&, int, int, int, double*) noexcept;
+        void (*read_integers)(const ImageSource&, int, int, int, std::int16_t*) noexcept;
     };
     HMESH_NEVER_INLINE HMESH_COLD ImageSource(const Pixels& pixels, const ImageView<float, 1>& weights, double unit) noexcept
         : data_(pixels.data), width_(pixels.width), height_(pixels.height), row_stride_(pixels.row_stride), weights_(weights),
           unit_(unit), low_(pixels.low), high_(pixels.high), peak_(pixels.peak), largest_(pixels.largest),
-          weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read) {}
+          weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read), read_integers_(pixels.read_integers) {}
 
     [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }
     HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
@@ -8308,8 +8394,8 @@ class ImageSource {
             body(from, y, part);
         }
     }
-    template <class T>
-    static void read_view(const ImageSource& source, int x, int y, int count, double* to) noexcept {
+    template <class T, class Number>
+    static void read_view(const ImageSource& source, int x, int y, int count, Number* to) noexcept {
         const ImageView<T, C> view{static_cast<const T*>(source.data_), source.width_, source.height_, source.row_stride_};
         read_pixels(view, x, y, count, to);
     }
@@ -8326,6 +8412,7 @@ class ImageSource {
     Periodic periodic_ = Periodic::none;
     Samples samples_ = Samples::squares;
     void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
+    void (*read_integers_)(const ImageSource&, int, int, int, std::int16_t*) noexcept;
     const ChannelScale<C>* scale_ = nullptr;
     SourceCalls<C> calls_;  ///< without a window: the pixels are in memory
 };
@@ -8625,7 +8712,7 @@ struct EntrySums {
 };
 
 /// The same from a table of pairs of integers, hence exact. As in ColumnSums nothing is multiplied by rows.
-template <int C, bool in_integers = C == 3 && IntLanes::is_register>
+template <int C, bool in_integers = C == 3 && IntLanes::is_cheaper>
 struct PairSums {
     using Table = MomentTable<C>;
     using PixelLanes = typename Table::PixelLanes;

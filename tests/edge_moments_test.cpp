@@ -382,8 +382,8 @@ TEST_CASE("the edge moments of images of few levels are exact up to the last col
         Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(width, 4, 3);
         for (std::size_t k = 0; k < image.size(); ++k) image.data()[k] &= 3U;
         const auto view = image.view();
-        const auto read = [&](int x, int y, int count, double* to) { std::copy_n(view.pixel(x, y), 3 * count, to); };
-        const MomentTable<3> table(view.bounds(), read, {}, {3, false, false});
+        const auto read = [&](int x, int y, int count, auto* to) { std::copy_n(view.pixel(x, y), 3 * count, to); };
+        const MomentTable<3> table(view.bounds(), {read, read, {}}, {3, false, false});
         CHECK(table.is_int32() == (width == 32768));
         Findings findings;
         compare(table, view, view.bounds(), random_mesh(width, 4, 40, 1, Positions::on_grid, 1), findings);

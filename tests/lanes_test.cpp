@@ -172,7 +172,18 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
         const IntLanes a = IntLanes::load(x + 1), b = IntLanes::load(y), sum = a + b, bytes = IntLanes::bytes(x[1]);
         const IntLanes product = small_product(IntLanes::load(small), IntLanes::load(other));
         const Lanes<4> doubles = a.doubles();
+        std::int16_t lower[5], upper[5];  // loaded at odd places
+        for (int i = 0; i < 5; ++i) lower[i] = static_cast<std::int16_t>(any()), upper[i] = static_cast<std::int16_t>(any());
+        const IntLanes halves = IntLanes::halves(lower + 1, upper + 1), constant = IntLanes::halves(lower[0], upper[0]);
+        const IntLanes sums = product_of_halves(halves, constant);
+        std::int32_t stored[5] = {};
+        sum.store(stored + 1);
         for (int i = 0; i < 4; ++i) {
+            CHECK(halves[i] ==
+                  wrapped(lower[i + 1] + std::int64_t{65536} * (lower[i + 1] < 0 ? upper[i + 1] + 1 : upper[i + 1])));
+            CHECK(constant[i] == wrapped(lower[0] + std::int64_t{65536} * (lower[0] < 0 ? upper[0] + 1 : upper[0])));
+            CHECK(sums[i] == wrapped(std::int64_t{lower[i + 1]} * lower[0] + std::int64_t{upper[i + 1]} * upper[0]));
+            CHECK(stored[i + 1] == sum[i]);
             CHECK(a[i] == x[i + 1]);
             CHECK(sum[i] == wrapped(std::int64_t{x[i + 1]} + y[i]));
             CHECK(bytes[i] == static_cast<std::int32_t>(static_cast<std::uint32_t>(x[1]) >> (8 * i) & 255U));

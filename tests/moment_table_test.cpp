@@ -150,9 +150,9 @@ bool same_powers(const MomentTable<C>& a, const MomentTable<C>& b) {
 
 TEST_CASE_TEMPLATE("MomentTable holds the prefix sums of each row, exact for integers, for any type and number of channels", K,
                    Kind<std::uint8_t, 1>, Kind<std::uint8_t, 2>, Kind<std::uint8_t, 3>, Kind<std::uint8_t, 4>,
-                   Kind<std::uint8_t, 5>, Kind<std::uint8_t, 16>, Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>,
-                   Kind<std::uint16_t, 4>, Kind<std::uint16_t, 16>, Kind<float, 1>, Kind<float, 3>, Kind<float, 7>,
-                   Kind<Signed, 2>, Kind<Signed, 3>) {
+                   Kind<std::uint8_t, 5>, Kind<std::uint8_t, 7>, Kind<std::uint8_t, 8>, Kind<std::uint8_t, 16>,
+                   Kind<std::uint16_t, 1>, Kind<std::uint16_t, 3>, Kind<std::uint16_t, 4>, Kind<std::uint16_t, 16>,
+                   Kind<float, 1>, Kind<float, 3>, Kind<float, 7>, Kind<Signed, 2>, Kind<Signed, 3>) {
     using T = typename K::T;
     constexpr int n = K::channels;
     // Widths around the multiples of 8, where a strip of the table is full.

@@ -30,8 +30,7 @@
 #if defined(__GNUC__) && !defined(__clang__) && defined(__SSE2__)
 #define HMESH_CONVERTS_PAIRS 1
 #endif
-// Registers of four integers, and of two doubles. Where there are some of four doubles, integers gain nothing.
-#if defined(__GNUC__) && ((defined(__SSE2__) && !defined(__AVX__)) || defined(__wasm_simd128__))
+#if defined(__GNUC__) && (defined(__SSE2__) || defined(__wasm_simd128__))
 #define HMESH_HAS_INT_REGISTERS 1
 #endif
 
@@ -378,10 +377,11 @@ template <int N>
 struct IntLanes {
 #if defined(HMESH_HAS_INT_REGISTERS)
     using Block = std::uint32_t __attribute__((vector_size(16)));  ///< the type of the register
-    static constexpr bool is_register = true;                      ///< whether four integers cost what two doubles do
+    /// Whether four integers cost what two doubles do: there is a register of integers, and none of four doubles.
+    static constexpr bool is_cheaper = Lanes<4>::blocks > 1;
 #else
     using Block = std::array<std::uint32_t, 4>;  ///< four numbers
-    static constexpr bool is_register = false;   ///< whether four integers cost what two doubles do
+    static constexpr bool is_cheaper = false;    ///< whether four integers cost what two doubles do
 #endif
     Block block;  ///< all lanes, as they are without a sign
 
@@ -397,6 +397,30 @@ struct IntLanes {
         IntLanes r;
         std::memcpy(&r.block, from, sizeof r.block);
         return r;
+    }
+    /// In each lane the integers of 16 bits at lower[i] and, in the upper half, at upper[i].
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes halves(const std::int16_t* lower, const std::int16_t* upper) {
+#if defined(HMESH_HAS_INT_REGISTERS)
+        using Shorts = short __attribute__((vector_size(16)));
+        using Pair = long long __attribute__((vector_size(16)));
+        long long low, high;
+        std::memcpy(&low, lower, sizeof low);
+        std::memcpy(&high, upper, sizeof high);
+        const auto x = reinterpret_cast<Shorts>(Pair{low, 0}), y = reinterpret_cast<Shorts>(Pair{high, 0});
+#if defined(__clang__)
+        return IntLanes{reinterpret_cast<Block>(__builtin_shufflevector(x, y, 0, 8, 1, 9, 2, 10, 3, 11))};
+#else
+        return IntLanes{reinterpret_cast<Block>(__builtin_shuffle(x, y, Shorts{0, 8, 1, 9, 2, 10, 3, 11}))};
+#endif
+#else
+        IntLanes r;
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] = half_pair(lower[i], upper[i]);
+        return r;
+#endif
+    }
+    /// The same two integers of 16 bits in all lanes.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes halves(int lower, int upper) {
+        return all(static_cast<std::int32_t>(half_pair(lower, upper)));
     }
     /// The bytes of an integer, each in a lane, the lowest in the first.
     [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes bytes(std::int32_t from) {
@@ -433,6 +457,16 @@ struct IntLanes {
     /// The product, lane by lane, of numbers from 0 to 2^15 - 1; where one is 0, the other may be any.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes small_product(const IntLanes& a, const IntLanes& b) {
 #if defined(HMESH_HAS_INT_REGISTERS)
+        return product_of_halves(a, b);
+#else
+        IntLanes r;
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
+        return r;
+#endif
+    }
+    /// Lane by lane the product of the lower halves and that of the upper ones, added: of integers of 16 bits with their signs.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes product_of_halves(const IntLanes& a, const IntLanes& b) {
+#if defined(HMESH_HAS_INT_REGISTERS)
         using Shorts = short __attribute__((vector_size(16)));
         const auto x = reinterpret_cast<Shorts>(a.block), y = reinterpret_cast<Shorts>(b.block);
 #if defined(__wasm__)
@@ -442,11 +476,16 @@ struct IntLanes {
 #endif
 #else
         IntLanes r;
-        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
+        for (std::size_t i = 0; i < 4; ++i) {
+            const std::uint32_t x = a.block[i], y = b.block[i];
+            r.block[i] = half(x) * half(y) + half(x >> 16U) * half(y >> 16U);
+        }
         return r;
 #endif
     }
 
+    /// Writes four integers to memory, which need not be aligned.
+    HMESH_ALWAYS_INLINE void store(std::int32_t* to) const { std::memcpy(to, &block, sizeof block); }
     /// Lane i, 0 <= i < 4.
     [[nodiscard]] HMESH_ALWAYS_INLINE std::int32_t operator[](int i) const {
         return static_cast<std::int32_t>(block[static_cast<std::size_t>(i)]);
@@ -454,18 +493,28 @@ struct IntLanes {
     /// The lanes as doubles.
     [[nodiscard]] HMESH_ALWAYS_INLINE Lanes<4> doubles() const {
         Lanes<4> r;
-#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
+#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__) && !defined(__AVX__)
         using Ints = std::int32_t __attribute__((vector_size(16)));
         const auto ints = reinterpret_cast<Ints>(block);
         r.block[0] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 0, 1), Lanes<4>::Block);
         r.block[1] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 2, 3), Lanes<4>::Block);
-#elif defined(HMESH_HAS_INT_REGISTERS)
+#elif defined(HMESH_HAS_INT_REGISTERS) && !defined(__AVX__)
         const auto ints = reinterpret_cast<detail::FourInts>(block);
         r.block[0] = detail::converted_pair(ints, false), r.block[1] = detail::converted_pair(ints, true);
 #else
         for (int i = 0; i < 4; ++i) r.set(i, (*this)[i]);
 #endif
         return r;
+    }
+
+  private:
+    /// Two integers of 16 bits, in the halves of one of 32.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::uint32_t half_pair(int lower, int upper) {
+        return (static_cast<std::uint32_t>(upper) << 16U) | (static_cast<std::uint32_t>(lower) & 0xffffU);
+    }
+    /// The lower half, an integer of 16 bits, with its sign.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::uint32_t half(std::uint32_t bits) {
+        return ((bits & 0xffffU) ^ 0x8000U) - 0x8000U;
     }
 };
 

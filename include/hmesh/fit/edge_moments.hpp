@@ -128,7 +128,7 @@ struct EntrySums {
 };
 
 /// The same from a table of pairs of integers, hence exact. As in ColumnSums nothing is multiplied by rows.
-template <int C, bool in_integers = C == 3 && IntLanes::is_register>
+template <int C, bool in_integers = C == 3 && IntLanes::is_cheaper>
 struct PairSums {
     using Table = MomentTable<C>;
     using PixelLanes = typename Table::PixelLanes;

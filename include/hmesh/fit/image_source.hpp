@@ -46,7 +46,10 @@ struct SourceWindow {
     /// ImageSource::pixel() of pixel (i, j).
     [[nodiscard]] HMESH_ALWAYS_INLINE auto pixel(int i, int j) const noexcept { return source.pixel(i - x, j - y); }
     /// ImageSource::read() from pixel (i, j).
-    void read(int i, int j, int count, double* to) const noexcept { source.read(i - x, j - y, count, to); }
+    template <class Number>
+    void read(int i, int j, int count, Number* to) const noexcept {
+        source.read(i - x, j - y, count, to);
+    }
 };
 
 /// How a source looks at an image that is not in memory (fit/read_source.hpp).
@@ -75,7 +78,8 @@ class ImageSource {
     template <class T>
     explicit ImageSource(const ImageView<T, C>& view, const ImageView<float, 1>& weights = {}, double unit = 1) noexcept
         : ImageSource({view.data, view.width, view.height, view.row_stride, PixelTraits<T>::lowest, PixelTraits<T>::highest,
-                       PixelTraits<T>::peak, MomentTable<C>::template largest_sample<T>(), &read_view<T>},
+                       PixelTraits<T>::peak, MomentTable<C>::template largest_sample<T>(), &read_view<T, double>,
+                       &read_view<T, std::int16_t>},
                       weights, unit) {}
 
     /// The same weights with other pixels, an image of the same size.
@@ -171,9 +175,11 @@ class ImageSource {
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
         MomentTable<C> table;
         with_window(rect, [&](const SourceWindow<C>& window) {
-            table = MomentTable<C>(
-                rect, [&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
-                [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }, kind(), parallel_for);
+            table = MomentTable<C>(rect,
+                                   {[&](int x, int y, int count, double* to) { window.read(x, y, count, to); },
+                                    [&](int x, int y, int count, std::int16_t* to) { window.read(x, y, count, to); },
+                                    [this](int x, int y, int count, double* to) { read_weights(x, y, count, to); }},
+                                   kind(), parallel_for);
         });
         if (samples_ == Samples::points) {
             const FarSides sides = far_sides(width_, height_, samples_);
@@ -188,6 +194,13 @@ class ImageSource {
         for_each_part(x, y, count, [&](int from, int row, int part) {
             read_(*this, from, row, part, to);
             if (scale_ != nullptr) scale_->to_samples(to, part);
+            to += std::ptrdiff_t{C} * part;
+        });
+    }
+    /// The same of a source without scale(), as an IntegerReader does.
+    void read(int x, int y, int count, std::int16_t* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            read_integers_(*this, from, row, part, to);
             to += std::ptrdiff_t{C} * part;
         });
     }
@@ -230,11 +243,12 @@ class ImageSource {
         double low, high, peak;
         double largest;  ///< as MomentTable::Kind has it
         void (*read)(const ImageSource&, int, int, int, double*) noexcept;
+        void (*read_integers)(const ImageSource&, int, int, int, std::int16_t*) noexcept;
     };
     HMESH_NEVER_INLINE HMESH_COLD ImageSource(const Pixels& pixels, const ImageView<float, 1>& weights, double unit) noexcept
         : data_(pixels.data), width_(pixels.width), height_(pixels.height), row_stride_(pixels.row_stride), weights_(weights),
           unit_(unit), low_(pixels.low), high_(pixels.high), peak_(pixels.peak), largest_(pixels.largest),
-          weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read) {}
+          weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read), read_integers_(pixels.read_integers) {}
 
     [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }
     HMESH_NEVER_INLINE void read_one(int x, int y, double* to) const noexcept {
@@ -258,8 +272,8 @@ class ImageSource {
             body(from, y, part);
         }
     }
-    template <class T>
-    static void read_view(const ImageSource& source, int x, int y, int count, double* to) noexcept {
+    template <class T, class Number>
+    static void read_view(const ImageSource& source, int x, int y, int count, Number* to) noexcept {
         const ImageView<T, C> view{static_cast<const T*>(source.data_), source.width_, source.height_, source.row_stride_};
         read_pixels(view, x, y, count, to);
     }
@@ -276,6 +290,7 @@ class ImageSource {
     Periodic periodic_ = Periodic::none;
     Samples samples_ = Samples::squares;
     void (*read_)(const ImageSource&, int, int, int, double*) noexcept;
+    void (*read_integers_)(const ImageSource&, int, int, int, std::int16_t*) noexcept;
     const ChannelScale<C>* scale_ = nullptr;
     SourceCalls<C> calls_;  ///< without a window: the pixels are in memory
 };

@@ -84,10 +84,11 @@ class MomentTable {
     template <class T>
     MomentTable(const ImageView<T, C>& view, const ImageView<float, 1>& weights, const WeightScale& scale, const Rect& rect,
                 const ParallelFor& parallel_for = {})
-        : MomentTable(
-              rect, [&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
-              [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); },
-              {largest_sample<T>(), PixelTraits<T>::lowest < 0, weights.data != nullptr}, parallel_for) {
+        : MomentTable(rect,
+                      {[&](int x, int y, int count, double* to) { read_pixels(view, x, y, count, to); },
+                       [&](int x, int y, int count, std::int16_t* to) { read_pixels(view, x, y, count, to); },
+                       [&](int x, int y, int count, double* to) { scale.read(weights, x, y, count, to); }},
+                      {largest_sample<T>(), PixelTraits<T>::lowest < 0, weights.data != nullptr}, parallel_for) {
         HMESH_ASSERT(rect.x >= 0 && rect.y >= 0);
         HMESH_ASSERT(rect.width <= view.width - rect.x && rect.height <= view.height - rect.y);
         HMESH_ASSERT(!weighted_ || (weights.width == view.width && weights.height == view.height));
@@ -99,9 +100,14 @@ class MomentTable {
         bool is_signed;    ///< whether there may be samples < 0
         bool is_weighted;  ///< whether pixels have weights
     };
-    /// The table of the pixels of `rect`, from wherever they are read. `weights` are as WeightScale rounds them, and only read
-    /// where there are some. Both are called on any thread.
-    MomentTable(const Rect& rect, PixelReader pixels, PixelReader weights, const Kind& kind, const ParallelFor& parallel_for = {})
+    /// What reads the pixels of a table, one of the first two, on any thread.
+    struct Readers {
+        PixelReader samples;     ///< where sums are doubles
+        IntegerReader integers;  ///< where sums are 32-bit integers
+        PixelReader weights;     ///< as WeightScale rounds them, where there are some
+    };
+    /// The table of the pixels of `rect`, from wherever they are read.
+    MomentTable(const Rect& rect, const Readers& read, const Kind& kind, const ParallelFor& parallel_for = {})
         : width_(rect.width), height_(rect.height), weighted_(kind.is_weighted),
           int32_(!weighted_ && fits_32_bits(rect.width, kind)) {
         HMESH_ASSERT(rect.width >= 1 && rect.height >= 1);
@@ -119,9 +125,9 @@ class MomentTable {
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
-            if (int32_) fill_pairs(rect, pixels, begin, end);
-            else if (!weighted_) fill(rect, pixels, begin, end);
-            else fill_weighted(rect, pixels, weights, begin, end);
+            if (int32_) fill_pairs(rect, read.integers, begin, end);
+            else if (!weighted_) fill(rect, read.samples, begin, end);
+            else fill_weighted(rect, read.samples, read.weights, begin, end);
         });
     }
     /// The memory of a pixel in a table of such pixels and of this width, in bytes.
@@ -254,14 +260,13 @@ class MomentTable {
     static constexpr std::size_t numbers = entry_size;  ///< entry_size as the size of an array
     static constexpr std::size_t band = 64;             ///< rows that are a piece of work
     static constexpr int chunk = 64;                    ///< most pixels read at once, an even number
-    static constexpr int pairs_chunk = 320;             ///< the same where these become pairs: a row of a tile of 256 px
 
-    /// Whether all sums over rows of this width fit 32-bit integers, and samples what a pair has for them; with bytes, whether
-    /// columns fit 15 bits too.
+    /// Whether all sums over rows of this width fit 32-bit integers, samples and columns an IntegerReader's 16 bits and, where a
+    /// pair has bytes for samples, these.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
         const double largest = 2147483647.0, sample = kind.largest;
-        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
-               (!has_bytes || (sample <= 255 && !kind.is_signed && width <= 32768));
+        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest && sample <= 32767 &&
+               width <= 32768 && (!has_bytes || (sample <= 255 && !kind.is_signed));
     }
 
     [[nodiscard]] HMESH_ALWAYS_INLINE std::size_t pair_offset(int x, int y) const noexcept {
@@ -277,56 +282,72 @@ class MomentTable {
         return (x + 1) % strip_width != 0 ? std::size_t{entry_size}
                                           : strip_size_ - std::size_t{strip_width - 1} * std::size_t{entry_size};
     }
-    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= most of them from column x0 on,
+    /// Calls body(y, x0, count, samples) for the pixels of the rows [begin, end), `count` <= chunk of them from column x0 on,
     /// run after run, because the rows of a strip of columns follow each other in memory, 128 of them in a page for 8-bit
     /// RGB: takes a third of the time of row by row.
-    template <int most = chunk, class Body>
-    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, PixelReader pixels, int begin, int end, Body&& body) const {
-        double samples[most * std::size_t{C} + numbers] = {};  // as many as are loaded as lanes of the last one
-        for (int x0 = 0; x0 < width_; x0 += most)
+    template <class Number, class Body>
+    HMESH_ALWAYS_INLINE void for_each_run(const Rect& rect, FunctionRef<void(int, int, int, Number*)> pixels, int begin, int end,
+                                          Body&& body) const {
+        Number samples[(chunk + 1) * std::size_t{C} + 4] = {};  // as many as are loaded with the last one and its neighbour
+        for (int x0 = 0; x0 < width_; x0 += chunk)
             for (int y = begin; y < end; ++y) {
-                const int count = std::min(width_ - x0, most);
+                const int count = std::min(width_ - x0, chunk);
                 pixels(rect.x + x0, rect.y + y, count, samples);
                 body(y, x0, count, samples);
             }
     }
 
-    void fill_pairs(const Rect& rect, PixelReader pixels, int begin, int end) {
-        struct Sums {
-            Entry entry;
-            Channels squares;
-        };
-        Sums sums[band];
-        for (Sums& of_row : sums) of_row.entry.of_samples = of_row.entry.by_column = of_row.squares = Channels::zero();
-        for_each_run<pairs_chunk>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
-            Sums sum = sums[y - begin];
-            std::size_t at = pair_offset(x0, y);
-            for (int i = 0; i <= count; i += 2, at += strip_size_, pixel += std::ptrdiff_t{2} * C) {
-                std::int32_t* const to = int32_entries_.data() + at;
-                sum.entry.of_samples.store(to);
-                sum.entry.by_column.store(to + lanes);
-                double squares = 0;
-                for (int c = 0; c < C; ++c) squares += sum.squares[c];
-                to[lanes + C] = static_cast<std::int32_t>(squares);
-                keep(pixel, to);  // where i == count, what nobody looks at
-                if (i == count) break;
-                // Two pixels at once, which sums of whole numbers allow: additions wait for each other. The lanes above the
-                // channels are of the next pixel, and never looked at; no more is a pixel beyond the last of a row.
-                const Channels one = Channels::load(pixel), other = Channels::load(pixel + C);
-                const Channels both = one + other;
-                sum.entry.of_samples += both;
-                sum.entry.by_column += both * (x0 + i) + other;
-                sum.squares += one * one;
-                sum.squares += other * other;
-            }
-            sums[y - begin] = sum;
+    /// The sums over the pixels of a row so far, of four channels.
+    struct FourSums {
+        IntLanes of_samples, by_column;
+        std::uint32_t squares;
+    };
+    static constexpr std::size_t fours = (C + 3) / 4;  ///< groups of four channels
+
+    void fill_pairs(const Rect& rect, IntegerReader pixels, int begin, int end) {
+        FourSums sums[band][fours];
+        for (auto& of_row : sums)
+            for (FourSums& of_four : of_row) of_four = {IntLanes::zero(), IntLanes::zero(), 0};
+        for_each_run<std::int16_t>(rect, pixels, begin, end, [&](int y, int x0, int count, const std::int16_t* pixel) {
+            write_pairs<0>(x0, count, pixel, int32_entries_.data() + pair_offset(x0, y), sums[y - begin]);
         });
     }
+    /// Writes the pairs of a run of a row from column x0 on, the first to `pair`, of the channels from `first` on.
+    template <int first>
+    HMESH_ALWAYS_INLINE void write_pairs(int x0, int count, const std::int16_t* pixels, std::int32_t* pair,
+                                         FourSums (&sums)[fours]) const {
+        FourSums sum = sums[first / 4];
+        IntLanes columns = IntLanes::halves(x0, x0 + 1);
+        const std::int16_t* pixel = pixels + first;
+        std::size_t at = 0;
+        for (int i = 0; i <= count; i += 2, pixel += std::ptrdiff_t{2} * C, at += strip_size_) {
+            std::int32_t* const to = pair + at;
+            const std::int32_t squares_before = first > 0 ? to[lanes + C] : 0;  // what is stored next may cover them
+            store(sum.of_samples, to + first);
+            store(sum.by_column, to + lanes + first);
+            to[lanes + C] = squares_before + static_cast<std::int32_t>(sum.squares);
+            if constexpr (first == 0) keep(pixel, to);  // where i == count, what nobody looks at
+            if (i == count) break;
+            // Nobody looks at lanes above the channels either, nor at sums with a pixel beyond the last of a row.
+            const IntLanes both = IntLanes::halves(pixel, pixel + C), squares = product_of_halves(both, both);
+            sum.of_samples += product_of_halves(both, IntLanes::halves(1, 1));
+            sum.by_column += product_of_halves(both, columns);
+            for (int c = 0; c < std::min(C - first, 4); ++c) sum.squares += static_cast<std::uint32_t>(squares[c]);
+            columns += IntLanes::halves(2, 2);
+        }
+        sums[first / 4] = sum;
+        if constexpr (first + 4 < C) write_pairs<first + 4>(x0, count, pixels, pair, sums);
+    }
+    /// Writes the sums of four channels, or of the first alone where there are no more.
+    static HMESH_ALWAYS_INLINE void store(const IntLanes& sums, std::int32_t* to) noexcept {
+        if constexpr (C == 1) *to = sums[0];
+        else sums.store(to);
+    }
     /// Writes a pixel's samples into a pair.
-    static HMESH_ALWAYS_INLINE void keep(const double* samples, std::int32_t* pair) noexcept {
-        if constexpr (has_bytes) pair[C] = static_cast<std::int32_t>(samples[0] + 256 * samples[1] + 65536 * samples[2]);
+    static HMESH_ALWAYS_INLINE void keep(const std::int16_t* samples, std::int32_t* pair) noexcept {
+        if constexpr (has_bytes) pair[C] = samples[0] | samples[1] << 8 | samples[2] << 16;
         else
-            for (int c = 0; c < C; ++c) pair[pixel_at + c] = static_cast<std::int32_t>(samples[c]);
+            for (int c = 0; c < C; ++c) pair[pixel_at + c] = samples[c];
     }
 
     void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
@@ -335,7 +356,7 @@ class MomentTable {
         // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
         double added[chunk][numbers] = {};
         for (auto& of_pixel : added) of_pixel[C] = 1;
-        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+        for_each_run<double>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             for (int i = 0; i < count; ++i, pixel += C) {
                 double square = 0;
                 for (int c = 0; c < C; ++c) {
@@ -361,7 +382,7 @@ class MomentTable {
 
     void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
         double sums[band][numbers] = {}, powers[band][2] = {};
-        for_each_run(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
+        for_each_run<double>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             double *const sum = sums[y - begin], *const power = powers[y - begin];
             double weight[chunk];
             weights(rect.x + x0, rect.y + y, count, weight);

@@ -195,16 +195,18 @@ namespace kit {
 /// Reads pixels of any sample type as real numbers, so that what works on them is compiled once: writes the samples of the
 /// `count` pixels from (x, y) to the right, pixel after pixel, to to[0] .. to[count * C - 1].
 using PixelReader = FunctionRef<void(int x, int y, int count, double* to)>;
+/// The same of samples that are integers of magnitude 32767 at most.
+using IntegerReader = FunctionRef<void(int x, int y, int count, std::int16_t* to)>;
 
-/// Reads pixels of a view as a PixelReader does, all of which must lie in it. The row four below, which a tile's reading comes to
-/// by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
-template <class T, int C>
-void read_pixels(const ImageView<T, C>& view, int x, int y, int count, double* to) noexcept {
+/// Reads pixels of a view as a PixelReader or an IntegerReader does, all of which must lie in it. The row four below, which a
+/// tile's reading comes to by the time that it has arrived, is asked for: rows of a large image lie in pages of their own.
+template <class T, int C, class Number>
+void read_pixels(const ImageView<T, C>& view, int x, int y, int count, Number* to) noexcept {
     const T* const from = view.pixel(x, y);
     const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
     constexpr int in_line = sizeof(T) < 64 ? static_cast<int>(64 / sizeof(T)) : 1;  // samples may be larger than a cache line
     for (int i = 0; i < count * C; i += in_line) HMESH_PREFETCH(later + i);
-    for (int i = 0; i < count * C; ++i) to[i] = PixelTraits<T>::to_real(from[i]);
+    for (int i = 0; i < count * C; ++i) to[i] = static_cast<Number>(PixelTraits<T>::to_real(from[i]));
 }
 
 /// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
