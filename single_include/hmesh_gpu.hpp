@@ -770,10 +770,22 @@ namespace detail {
     return {};
 }
 
-/// Whether a periodic mesh stands out of its image along an axis in which it repeats, `low` and `high` being its ends there.
-[[nodiscard]] inline bool is_jagged(const MeshView& mesh, std::size_t axis, double low, double high) noexcept {
-    return (axis == 0 ? kit::wraps_x(mesh.periodic) : kit::wraps_y(mesh.periodic)) &&
-           (low < 0 || high > (axis == 0 ? mesh.width : mesh.height));
+/// The least and the largest coordinate of a mesh along an axis, or the side of its image where that is beyond. O(n).
+[[nodiscard]] inline std::array<double, 2> ends_for_gpu(const MeshView& mesh, std::size_t axis) noexcept {
+    std::array<double, 2> ends{0, static_cast<double>(axis == 0 ? mesh.right() : mesh.bottom())};
+    for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
+        const auto at = static_cast<double>(mesh.positions[2 * v + axis]);
+        ends[0] = std::min(ends[0], at), ends[1] = std::max(ends[1], at);
+    }
+    return ends;
+}
+
+/// How many steps of 1 / 65535 of the box are a period, where a periodic mesh stands out of its image along an axis in which it
+/// repeats, with these ends there. 0: it does not, or is so long that a period would be less than a step.
+[[nodiscard]] inline double steps_of_period(const MeshView& mesh, std::size_t axis, const std::array<double, 2>& ends) noexcept {
+    const double size = axis == 0 ? mesh.width : mesh.height;
+    const bool wraps = axis == 0 ? kit::wraps_x(mesh.periodic) : kit::wraps_y(mesh.periodic);
+    return wraps && (ends[0] < 0 || ends[1] > size) ? std::floor(65534 * size / (ends[1] - ends[0])) : 0;
 }
 
 /// Where all lies in a vertex, and the box of the positions. O(n).
@@ -790,16 +802,11 @@ namespace detail {
     layout.premultiplied = layout.has_alpha &&
                            (options.alpha == GpuAlpha::as_stored ? mesh.premultiplied : options.alpha == GpuAlpha::premultiplied);
     if (options.position == GpuFormat::float32x2) return layout;
-    const std::array<double, 2> size{static_cast<double>(mesh.right()), static_cast<double>(mesh.bottom())};
     for (std::size_t axis = 0; axis < 2; ++axis) {
-        double low = 0, high = size[axis];
-        for (std::size_t v = 0; v < mesh.vertex_count; ++v) {
-            const auto at = static_cast<double>(mesh.positions[2 * v + axis]);
-            low = std::min(low, at), high = std::max(high, at);
-        }
-        if (is_jagged(mesh, axis, low, high)) {
+        auto [low, high] = ends_for_gpu(mesh, axis);
+        if (const double steps = steps_of_period(mesh, axis, {low, high}); steps > 0) {
             // The period is a whole number of steps, so that copies of a vertex are rounded alike.
-            const double step = size[axis] / std::floor(65534 * size[axis] / (high - low));
+            const double step = (axis == 0 ? mesh.width : mesh.height) / steps;
             low = -std::ceil(-low / step) * step;
             high = low + 65535 * step;
         }
@@ -837,6 +844,9 @@ class GpuWriter {
     std::vector<std::uint8_t> bytes(sources.size() * layout.stride, 0);
     const bool multiplies = layout.premultiplied && !mesh.premultiplied;
     const bool is_wide = layout.color.format == GpuFormat::unorm16x2 || layout.color.format == GpuFormat::unorm16x4;
+    std::array<double, 2> steps{};
+    for (std::size_t axis = 0; axis < 2 && layout.position.format == GpuFormat::unorm16x2; ++axis)
+        steps[axis] = steps_of_period(mesh, axis, ends_for_gpu(mesh, axis));
     for (std::size_t i = 0; i < sources.size(); ++i) {
         const std::uint32_t v = sources[i];
         GpuWriter writer(bytes.data() + i * layout.stride);
@@ -844,14 +854,14 @@ class GpuWriter {
             const float at = mesh.positions[2 * std::size_t{v} + axis];
             if (layout.position.format == GpuFormat::float32x2) writer.f32(at);
             else {
-                double from = static_cast<double>(at) - static_cast<double>(layout.offset[axis]);
-                const double size = axis == 0 ? layout.width : layout.height, low = static_cast<double>(layout.offset[axis]);
-                if (is_jagged(mesh, axis, low, low + static_cast<double>(layout.scale[axis]))) {
+                const auto low = static_cast<double>(layout.offset[axis]);
+                double from = static_cast<double>(at) - low;
+                if (steps[axis] > 0) {
                     // Rounded within the first period, then turned in whole steps.
-                    const double step = size / std::floor(65535 * size / static_cast<double>(layout.scale[axis]) + 0.5);
+                    const double size = axis == 0 ? layout.width : layout.height, step = size / steps[axis];
                     const double turns = std::floor(static_cast<double>(at) / size);
                     const auto rounded = [&](double x) { return std::floor(x / step + 0.5); };
-                    from = (rounded(-low) + turns * rounded(size) + rounded(static_cast<double>(at) - turns * size)) / 65535 *
+                    from = (rounded(-low) + turns * steps[axis] + rounded(static_cast<double>(at) - turns * size)) / 65535 *
                            static_cast<double>(layout.scale[axis]);
                 }
                 writer.integer(to_u16(std::max(0.0, std::min(1.0, from / static_cast<double>(layout.scale[axis])))), 2);

@@ -397,6 +397,31 @@ TEST_CASE("copies of a vertex on the jagged border of a periodic mesh are a whol
     }
 }
 
+TEST_CASE("the box of a mesh that says it is periodic holds its vertices, however many periods they are away") {
+    for (const float x : {-300.0F, -30000.0F, 32800.0F, -65600.0F, 70000.0F, -1e9F, 3e38F})
+        for (const int width : {1, 2, 300}) {
+            CAPTURE(x);
+            CAPTURE(width);
+            hmesh::Mesh mesh = hmesh_test::two_faces(1);
+            mesh.width = width;
+            mesh.periodic = hmesh::Periodic::xy;
+            for (const std::size_t v : {1U, 2U}) mesh.positions[2 * v] = x;
+            const GpuBuffers buffers = hmesh::pack_for_gpu(mesh.view());
+            REQUIRE(buffers.status);
+            REQUIRE(buffers.vertex_count() == 4);
+            const auto scale = static_cast<double>(buffers.layout.scale[0]);
+            CHECK(std::isfinite(scale));
+            CHECK(std::isfinite(buffers.layout.offset[0]));
+            for (std::size_t v = 0; v < 4; ++v) {
+                double least = std::numeric_limits<double>::max();
+                for (std::size_t u = 0; u < 4; ++u)
+                    least =
+                        std::min(least, std::abs(static_cast<double>(mesh.positions[2 * u]) - fetch_vertex(buffers, v).at[0]));
+                CHECK(least <= 1.001 / 131070 * scale);
+            }
+        }
+}
+
 TEST_CASE("vertices without alpha take the colours around them when colours become straight") {
     hmesh::Mesh mesh = hmesh_test::two_faces(4);
     mesh.premultiplied = true;
