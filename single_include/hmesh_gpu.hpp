@@ -2625,10 +2625,20 @@ inline std::size_t remove_unused_vertices(Mesh& mesh) {
     if (mesh.width != width || mesh.height != height || mesh.channels != channels)
         return {Errc::invalid_argument, "the result is that of another image, by its size or channels"};
     if (const Status status = check_sprite(mesh, threshold); !status) return status;
-    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-        if (!kit::is_inside(mesh, v))
+    const kit::Torus torus{width, height, mesh.periodic};
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v)  // a periodic mesh may stand out
+        if (mesh.periodic == Periodic::none ? !kit::is_inside(mesh, v) : !kit::is_near(kit::position(mesh, v), torus))
             return {Errc::invalid_argument, "the mesh has a position outside of the image, at vertex", v};
     return {};
+}
+
+/// The number of vertices as Report has it.
+[[nodiscard]] HMESH_COLD inline std::size_t distinct_count(const Mesh& mesh) {
+    if (mesh.periodic == Periodic::none) return mesh.vertex_count();
+    std::size_t count = 0, v = 0;
+    for (const std::uint32_t root : kit::tied_vertices(kit::positions_of(mesh.view()), {mesh.width, mesh.height, mesh.periodic}))
+        count += root == v++ ? 1U : 0U;
+    return count;
 }
 
 /// What the report of a mesh of this image becomes where faces of `kinds` are dropped, of which there are some.
@@ -2642,12 +2652,16 @@ HMESH_COLD void measure_sprite(Result& result, const std::vector<FaceAlpha>& kin
         (kinds[f] == FaceAlpha::dropped ? gone : kept).faces.push_back(result.mesh.faces[f]);
     kit::ChannelScale<C> scale;
     scale.share = kit::channel_shares<C>(options.channel_weights);
-    const double before = kit::rendered_errors(gone, source, parallel_for, scale).energy;
+    const auto errors_of = [&](const Mesh& part) {
+        if (part.periodic == Periodic::none) return kit::rendered_errors(part, source, parallel_for, scale);
+        return kit::rendered_errors(kit::unrolled(part.view()), source, parallel_for, scale);
+    };
+    const double before = errors_of(gone).energy;
     std::fill(gone.colors.begin(), gone.colors.end(), 0.0F);
-    const kit::RenderedError after = kit::rendered_errors(gone, source, parallel_for, scale);
+    const kit::RenderedError after = errors_of(gone);
     const double samples = scale.sum() * kit::weight_sum(options.weights, unit, source.width(), source.height(), parallel_for);
     result.report.energy = std::max(0.0, result.report.energy + (after.energy - before));
-    result.report.max_error = std::max(after.largest, kit::rendered_errors(kept, source, parallel_for, scale).largest);
+    result.report.max_error = std::max(after.largest, errors_of(kept).largest);
     result.report.psnr = kit::psnr_of_energy(result.report.energy, samples, source.peak());
 }
 
@@ -2709,7 +2723,7 @@ SpriteReport drop_transparent(Result& result, const ImageView<T, C>& view, const
         detail::measure_sprite(result, kinds, source, options, unit, parallel_for);
     }
     report = drop_transparent(mesh, threshold);
-    result.report.vertices = mesh.vertex_count();
+    result.report.vertices = detail::distinct_count(mesh);
     result.report.faces = mesh.face_count();
     return report;
 }

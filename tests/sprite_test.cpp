@@ -8,8 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <set>
 #include <string>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "hmesh/render.hpp"
@@ -226,6 +228,40 @@ TEST_CASE("with weights of channels the report counts channels with theirs") {
           doctest::Approx(10 * std::log10(255 * 255 * 48 * 40 * (5.5 / 4) / result.report.energy)).epsilon(1e-3));
     options.channel_weights = {1, 2};
     CHECK(hmesh::drop_transparent(result, image.view(), options).status.code == Errc::invalid_argument);
+}
+
+TEST_CASE("the report of a sprite that repeats is that of its copies together, and counts copies of a vertex once") {
+    const auto image = disc<std::uint8_t, 4>(48, 40);
+    for (const bool straight : {false, true}) {
+        CAPTURE(straight);
+        Options options;
+        options.premultiplied = true;
+        options.periodic = hmesh::Periodic::xy;
+        options.straight_border = straight;
+        options.target = Target::vertices(90);
+        Result result = hmesh::mesh_image(image.view(), options, hmesh::Annealed{hmesh::Effort::draft});
+        const SpriteReport report = hmesh::drop_transparent(result, image.view(), options, 40);
+        CAPTURE(std::string(hmesh::message(report.status).c_str()));
+        REQUIRE(report.status);
+        CHECK(report.dropped_faces > 3);
+        CHECK(result.report.faces == result.mesh.face_count());
+        std::set<std::pair<float, float>> places;
+        for (std::size_t v = 0; v < result.mesh.vertex_count(); ++v) {
+            const auto inside = [](float x, float period) { return x - std::floor(x / period) * period; };
+            places.emplace(inside(result.mesh.positions[2 * v], 48), inside(result.mesh.positions[2 * v + 1], 40));
+        }
+        CHECK(result.report.vertices == places.size());
+        const auto drawn = hmesh_test::drawn<4>(result.mesh);
+        const auto wanted = hmesh::kit::premultiply(image.view());
+        double energy = 0, largest = 0;
+        for (std::size_t k = 0; k < wanted.size(); ++k) {
+            const double difference = static_cast<double>(drawn.data()[k]) - wanted.data()[k];
+            energy += difference * difference;
+            largest = std::max(largest, std::abs(difference));
+        }
+        CHECK(result.report.energy == doctest::Approx(energy).epsilon(1e-4));
+        CHECK(result.report.max_error == doctest::Approx(largest).epsilon(1e-4));
+    }
 }
 
 TEST_CASE("meshes without alpha, thresholds out of range and results of another image are refused and stay as they are") {
