@@ -40,17 +40,19 @@ class EarRing {
         std::uint32_t from = add_nodes(first, end);
         for (std::uint32_t n = from, i = first; i < end; ++i, n = nodes_[n].next)
             if (is_left_of(place(n), place(from))) from = n;
-        std::vector<std::uint32_t> seen(old);
-        for (std::uint32_t n = 0; n < old; ++n) seen[n] = n;
-        const auto distance = [&](std::uint32_t n) {
+        // As a rule the nearest is seen: a heap, since sorting all for each hole was most of the time.
+        std::vector<Neighbor> neighbors;
+        neighbors.reserve(old);
+        for (std::uint32_t n = 0; n < old; ++n) {
             const std::int64_t x = std::int64_t{place(n).x} - place(from).x, y = std::int64_t{place(n).y} - place(from).y;
-            return x * x + y * y;
-        };
-        std::sort(seen.begin(), seen.end(), [&](std::uint32_t a, std::uint32_t b) {
-            return distance(a) != distance(b) ? distance(a) < distance(b) : a < b;
-        });
-        for (const std::uint32_t n : seen)
+            neighbors.push_back({x * x + y * y, n});
+        }
+        std::make_heap(neighbors.begin(), neighbors.end());
+        for (auto last = neighbors.end(); last != neighbors.begin();) {
+            std::pop_heap(neighbors.begin(), last--);
+            const std::uint32_t n = last->node;
             if (is_open(n, place(from)) && is_open(from, place(n)) && is_seen(n, from, others)) return join(n, from);
+        }
     }
 
     /// Cuts all ears.
@@ -117,6 +119,14 @@ class EarRing {
   private:
     struct Node {
         std::uint32_t corner, previous, next;
+    };
+    // A node that a hole may be joined to; the nearest is the largest.
+    struct Neighbor {
+        std::int64_t distance;  // squared
+        std::uint32_t node;
+        bool operator<(const Neighbor& other) const noexcept {
+            return distance != other.distance ? distance > other.distance : node > other.node;
+        }
     };
 
     [[nodiscard]] GridPoint place(std::uint32_t n) const noexcept { return at_[nodes_[n].corner]; }
