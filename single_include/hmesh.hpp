@@ -7435,9 +7435,8 @@ namespace hmesh {
 ///
 /// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and 0.6 KB for each vertex placed in the tiles
 /// at work. Of an image of up to 4194304 px all tiles are kept from phase to phase: 1.5 to 2.5 KB a vertex in all. Moment
-/// tables take 16 bytes a pixel for 8-bit RGB, 92 with weights: images of up to 4194304 px, and larger ones whose table takes
-/// 256 MiB at most, as that of 2^24 px of 8-bit RGB does, are one table where they are 16384 px wide at most, 4096 with weights;
-/// of others, and of periodic ones, each tile at work has its own. With recipes other than Annealed any image is one tile. Stack
+/// tables take 16 bytes a pixel for 8-bit RGB, 92 with weights: images of up to 4194304 px are one table where they are 16384 px
+/// wide at most, 4096 with weights; of others, and of periodic ones, each tile at work has its own. With recipes other than Annealed any image is one tile. Stack
 /// on each thread that works: 0.2 MB for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so
 /// that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
@@ -8288,10 +8287,6 @@ class ImageSource {
         return has_plain_samples() && std::min<double>(table_width, width_) <= widest_table();
     }
 
-    /// The memory of the moment table of the whole image, in bytes.
-    [[nodiscard]] double table_bytes() const noexcept {
-        return pixels() * static_cast<double>(MomentTable<C>::pixel_bytes(width_, kind()));
-    }
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {
@@ -13885,17 +13880,15 @@ class TiledMesh {
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image: it is not periodic, no wider than widest_table(), and is_small() or
-    /// needs no more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
-    [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && is_narrow() && (is_small() || source_->table_bytes() <= 268435456.0);
-    }
+    /// Whether there is a moment table of the whole image: it is small and not periodic. Patches have none of their own then. One
+    /// table of more pixels, larger than any cache, would take as long and several times the memory.
+    [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept { return source_->periodic() == Periodic::none && is_small(); }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && is_narrow() &&
+        return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -13993,9 +13986,6 @@ class TiledMesh {
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
 
-    /// Whether rows are so short that a table of the whole chooses meshes well.
-    [[nodiscard]] bool is_narrow() const noexcept { return source_->width() <= source_->widest_table(); }
-
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
@@ -14008,8 +13998,7 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null. Patches that
-    /// share it need none of their own, which would take them a third of their time.
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (source_->periodic() != Periodic::none || (!wanted && !has_whole_table())) return nullptr;
         if (notes_.table.width() == 0) notes_.table = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);

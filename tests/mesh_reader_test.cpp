@@ -140,7 +140,7 @@ TEST_CASE("the smallest images, and of one colour") {
     check_same(hmesh_test::constant_image<std::uint8_t, 1>(300, 20, 0.5), options_of(50), in_tiles(Effort::draft));
 }
 
-// Beyond 4194304 px and 256 MiB there is no table of the whole image, and patches have tables of their own.
+// Beyond 4194304 px there is no table of the whole image, and patches have tables of their own.
 TEST_CASE("of large images no rectangle is large, and no pixel is read often") {
     constexpr int width = 2600, height = 1620;
     const auto image = hmesh_test::draw<float, 3>(width, height, [](int x, int y, int c) {

@@ -166,10 +166,6 @@ class ImageSource {
         return has_plain_samples() && std::min<double>(table_width, width_) <= widest_table();
     }
 
-    /// The memory of the moment table of the whole image, in bytes.
-    [[nodiscard]] double table_bytes() const noexcept {
-        return pixels() * static_cast<double>(MomentTable<C>::pixel_bytes(width_, kind()));
-    }
     /// The moment table of a rectangle of the image, which may reach beyond it along the axes of periodic(). Bands of its rows
     /// are pieces of work.
     [[nodiscard]] HMESH_COLD MomentTable<C> table(const Rect& rect, const ParallelFor& parallel_for = {}) const {

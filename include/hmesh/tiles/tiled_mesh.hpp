@@ -81,17 +81,15 @@ class TiledMesh {
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
-    /// Whether there is a moment table of the whole image: it is not periodic, no wider than widest_table(), and is_small() or
-    /// needs no more than 256 MiB for that, which 2^24 pixels of 8-bit RGB do. Patches have none of their own then.
-    [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept {
-        return source_->periodic() == Periodic::none && is_narrow() && (is_small() || source_->table_bytes() <= 268435456.0);
-    }
+    /// Whether there is a moment table of the whole image: it is small and not periodic. Patches have none of their own then. One
+    /// table of more pixels, larger than any cache, would take as long and several times the memory.
+    [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept { return source_->periodic() == Periodic::none && is_small(); }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
     /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
     /// the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
-        return source_->pixels() <= 4194304 && is_narrow() &&
+        return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
     }
     /// Whether the mesh is cut by patches' borders: there are several, or it is periodic and cut open.
@@ -189,9 +187,6 @@ class TiledMesh {
   private:
     using Patches = std::vector<std::optional<Patch<C>>>;
 
-    /// Whether rows are so short that a table of the whole chooses meshes well.
-    [[nodiscard]] bool is_narrow() const noexcept { return source_->width() <= source_->widest_table(); }
-
     /// Connects a mesh with a task's progress for the guard's lifetime, also where the body throws.
     class TaskGuard {
       public:
@@ -204,8 +199,7 @@ class TiledMesh {
         ImageMesh<C>& mesh_;
     };
 
-    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null. Patches that
-    /// share it need none of their own, which would take them a third of their time.
+    /// The table of the whole image, made when first asked for, if it is `wanted` or has_whole_table(); else null.
     [[nodiscard]] HMESH_COLD const MomentTable<C>* whole_table(bool wanted) {
         if (source_->periodic() != Periodic::none || (!wanted && !has_whole_table())) return nullptr;
         if (notes_.table.width() == 0) notes_.table = source_->table({0, 0, source_->width(), source_->height()}, parallel_for_);
