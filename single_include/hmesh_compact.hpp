@@ -3891,25 +3891,15 @@ class LatticeMesh {
 
 #endif  // HMESH_RATE_LATTICE_MESH_HPP
 
-// ---- hmesh/rate/compact_image.hpp
+// ---- hmesh/rate/options.hpp
 
 /// \file
-/// compact_image(): an image in a given number of bytes, as a compact file.
-///
-/// Nothing is rounded but what was meshed for it: the mesh is annealed with its vertices on the lattice of the file
-/// (rate/lattice_mesh.hpp). How coarse that lattice is and the steps of colours are, and with it how many vertices the bytes pay
-/// for, is tried: first a quick mesh of each lattice that comes into question, at several steps of colours; then what promises
-/// most, with more vertices or fewer until the bytes are nearly used, and colours as fine as the rest of them pays for.
-#ifndef HMESH_RATE_COMPACT_IMAGE_HPP
-#define HMESH_RATE_COMPACT_IMAGE_HPP
+/// What compact_image() is asked for, and what it returns.
+#ifndef HMESH_RATE_OPTIONS_HPP
+#define HMESH_RATE_OPTIONS_HPP
 
-#include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -3932,7 +3922,31 @@ struct [[nodiscard]] CompactImage {
     Status status;                    ///< ok, or why there are no bytes
 };
 
-namespace detail {
+}  // namespace hmesh
+
+#endif  // HMESH_RATE_OPTIONS_HPP
+
+// ---- hmesh/rate/compact_search.hpp
+
+/// \file
+/// CompactSearch: the mesh on one lattice of whose file the bytes asked for are nearly used.
+///
+/// The number of vertices and the steps of colours are what a lattice leaves to be chosen: a quick mesh tells about which
+/// (guess()), meshes that are made as well as they shall be then have more vertices or fewer until the bytes are nearly used, and
+/// colours as fine as the rest of them pays for (fill()).
+#ifndef HMESH_RATE_COMPACT_SEARCH_HPP
+#define HMESH_RATE_COMPACT_SEARCH_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+namespace hmesh::detail {
 
 /// How compact_image() writes a mesh, but for its lattice and colours.
 [[nodiscard]] inline CompactOptions compact_options(const CompactImageOptions& options) {
@@ -3960,13 +3974,12 @@ template <class T, int C>
     return psnr(view, to_pixels<T>(drawn.image, parallel_for).view(), parallel_for);
 }
 
-/// The image that compact_image() works with: `width` x `height` px shrunk by `shrink` to what is enough to judge by, and its
-/// moments.
+/// The image that compact_image() works with, shrunk to what is enough to judge by, and its moments.
 template <int C>
 struct CompactReference {
     Image<std::uint8_t, C> pixels;
     kit::MomentTable<C> table;
-    int width, height, shrink;
+    int width, height;  ///< px, before it was shrunk
 };
 
 /// Tells of the runs of mesh_image() as of one piece of work. How many there will be is not known: each takes a twelfth of what
@@ -4189,6 +4202,32 @@ class CompactSearch {
     Mesh mesh_;
 };
 
+}  // namespace hmesh::detail
+
+#endif  // HMESH_RATE_COMPACT_SEARCH_HPP
+
+// ---- hmesh/rate/compact_image.hpp
+
+/// \file
+/// compact_image(): an image in a given number of bytes, as a compact file.
+///
+/// Nothing is rounded but what was meshed for it: the mesh is annealed with its vertices on the lattice of the file
+/// (rate/lattice_mesh.hpp). How coarse that lattice is and the steps of colours are, and with it how many vertices the bytes pay
+/// for, is tried: first a quick mesh of each lattice that comes into question, at several steps of colours; then what promises
+/// most, in all the bytes (rate/compact_search.hpp).
+#ifndef HMESH_RATE_COMPACT_IMAGE_HPP
+#define HMESH_RATE_COMPACT_IMAGE_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace hmesh {
+namespace detail {
+
 /// What a lattice promises, with the vertices and the step of colours that its bytes pay for.
 struct CompactGuess {
     double promise;
@@ -4209,84 +4248,136 @@ template <int C>
     return static_cast<double>(flat) / (static_cast<double>(view.width) * view.height);
 }
 
-/// compact_image() of a valid view, whose colours are premultiplied already where they are to be.
+/// The search of compact_image() over lattices.
+template <int C>
+class CompactChoice {
+  public:
+    /// For a file of an image, with about so many vertices; all outlive it.
+    CompactChoice(const CompactReference<C>& image, std::int64_t expected, const CompactImageOptions& options,
+                  const Annealed& recipe, const ParallelFor& parallel_for)
+        : image_(&image), expected_(expected), options_(&options), recipe_(&recipe), parallel_for_(&parallel_for),
+          runs_(options.progress), tries_(expected < 600 ? 4 : 1), lattices_(tries_ > 1 ? 2 : 1),
+          is_compared_(lattices_ > 1 || flat_share<C>(image.pixels.view()) > 0.4),
+          is_rough_(!is_compared_ && recipe.effort <= Effort::normal) {}
+
+    /// The best file found, with its PSNR but without its mesh; or its status, and no bytes.
+    [[nodiscard]] CompactImage run() {
+        Annealed quick = *recipe_;
+        quick.effort = std::min(recipe_->effort, is_rough_ ? Effort::draft : Effort::fast);
+        if (!search(lattice(0.2)).begin(quick, best_)) return std::move(best_);
+        if (best_.psnr < Target::invisible) {  // an image of one colour needs no more
+            look_at_lattices(quick);
+            if (!best_.status || !fill_lattices() || !try_seeds()) best_.bytes.clear();
+        }
+        return std::move(best_);
+    }
+
+  private:
+    /// A lattice whose sites are this share of the vertices' distance from each other.
+    [[nodiscard]] CompactLattice lattice(double share) const {
+        const double pixels = static_cast<double>(image_->width) * image_->height;
+        return find_lattice(image_->width, image_->height, image_->pixels.width(), image_->pixels.height(),
+                            share * std::sqrt(pixels / static_cast<double>(expected_)), options_->bare);
+    }
+    [[nodiscard]] CompactSearch<C> search(const CompactLattice& lattice) {
+        return CompactSearch<C>(*image_, *options_, lattice, runs_, *parallel_for_);
+    }
+    /// What a lattice promises by quick meshes, which found_ has then; 0 if it is that of the last time.
+    double look(double share, const Annealed& quick) {
+        CompactGuess next{0, lattice(share), 0, 0};
+        if (!found_.empty() && next.lattice == found_.back().lattice) return 0;
+        const std::int64_t likely = found_.empty() ? expected_ : found_.back().n;
+        // Of some numbers of vertices, few, there is no mesh on a lattice.
+        for (int percent = 100; percent > 90 && next.color_step == 0 && best_.status; percent -= 3) {
+            next.n = std::max<std::int64_t>(4, likely * percent / 100);
+            next.promise = search(next.lattice).guess(next.n, next.color_step, quick, is_rough_ ? 0 : 3, best_.status);
+        }
+        if (next.color_step > 0) found_.push_back(next);
+        return next.promise;
+    }
+    /// Looks at the lattice that is best for photographs, and at finer ones for as long as they promise more. Drawings promise
+    /// decibels more on them, and chance alone up to 0.3.
+    void look_at_lattices(const Annealed& quick) {
+        double most = look(0.07, quick) + 0.3;
+        if (!found_.empty()) found_.front().promise = most;
+        for (const double share : {0.045, 0.03, 0.02}) {
+            if (!is_compared_) break;
+            const double promise = look(share, quick);
+            if (!(promise > most)) break;
+            most = promise;
+            if (share == 0.045) most = std::max(most, look(0.06, quick));
+        }
+    }
+    /// Fills the bytes on the lattices that promise most. Whether to go on.
+    [[nodiscard]] bool fill_lattices() {
+        const kit::Array<kit::Coded> order =
+            kit::sorted_numbers(found_.size(), [&](std::uint32_t k) { return kit::code_of(-found_[k].promise); });
+        const double begun = best_.psnr;
+        double before = begun;
+        std::size_t filled = 0;
+        chosen_ = order.empty() ? 0 : order.front().number;
+        for (const kit::Coded& item : order) {  // the best first
+            if (filled == lattices_) break;
+            CompactGuess& guess = found_[item.number];
+            if (!search(guess.lattice).fill(guess.n, guess.color_step, *recipe_, best_)) return false;
+            if (best_.psnr > before) before = best_.psnr, chosen_ = item.number;
+            if (before > begun) ++filled;  // on a lattice without a mesh, none is
+        }
+        return true;
+    }
+    /// Fills them again on the best lattice, with other seeds. Whether to go on.
+    [[nodiscard]] bool try_seeds() {
+        Annealed again = *recipe_;
+        for (std::size_t k = 1; k < tries_ && chosen_ < found_.size(); ++k) {
+            ++again.seed;
+            CompactGuess& guess = found_[chosen_];
+            if (!search(guess.lattice).fill(guess.n, guess.color_step, again, best_)) return false;
+        }
+        return true;
+    }
+
+    const CompactReference<C>* image_;
+    std::int64_t expected_;
+    const CompactImageOptions* options_;
+    const Annealed* recipe_;
+    const ParallelFor* parallel_for_;
+    CompactRuns runs_;
+    std::size_t tries_, lattices_;  ///< meshes on the best lattice, lattices that are filled: few vertices are a matter of luck
+    bool is_compared_;              ///< whether it may not be a photograph, so that lattices are compared
+    /// Whether quick meshes tell numbers alone. Where lattices are compared, or time counts less than 0.03 dB, they must be worth
+    /// their promise.
+    bool is_rough_;
+    std::vector<CompactGuess> found_;
+    std::size_t chosen_ = 0;  ///< of found_, the best one filled
+    CompactImage best_;
+};
+
+/// What compact_image() looks at of a view, of which about so many vertices are expected: 80 px a vertex are enough to judge by.
 template <class T, int C>
-[[nodiscard]] CompactImage find_compact_image(const ImageView<T, C>& view, const CompactImageOptions& options,
-                                              const Annealed& recipe, const ParallelFor& parallel_for) {
-    CompactImage out;
+[[nodiscard]] CompactReference<C> compact_reference(const ImageView<T, C>& view, std::int64_t expected,
+                                                    const ParallelFor& parallel_for) {
     const std::int64_t pixels = std::int64_t{view.width} * view.height;
-    const auto bytes = static_cast<std::int64_t>(std::min<std::uint64_t>(options.bytes, std::uint64_t{1} << 40U));
-    const std::int64_t expected = std::max<std::int64_t>(4, std::min(pixels, bytes * 2 / 5));        // 20 bits a vertex
-    const double distance = std::sqrt(static_cast<double>(pixels) / static_cast<double>(expected));  // between these
-    // 80 px a vertex are enough to judge by.
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
     while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
     Image<std::uint8_t, C> shrunken =
         shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for);
-    const kit::Rect whole{0, 0, shrunken.width(), shrunken.height()};
-    kit::MomentTable<C> table(shrunken.view(), whole, parallel_for);
-    const CompactReference<C> image{std::move(shrunken), std::move(table), view.width, view.height, shrink};
-    const auto lattice_of = [&](double share) {
-        return find_lattice(view.width, view.height, whole.width, whole.height, share * distance, options.bare);
-    };
-    // So few vertices are a matter of luck.
-    const std::size_t tries = expected < 600 ? 4 : 1, lattices = tries > 1 ? 2 : 1;
-    const bool may_be_drawing = flat_share<C>(image.pixels.view()) > 0.4, is_compared = lattices > 1 || may_be_drawing;
-    // Where lattices are compared, or time counts less than 0.03 dB, quick meshes must be worth it; else they tell numbers alone.
-    const bool is_rough = !is_compared && recipe.effort <= Effort::normal;
-    Annealed quick = recipe;
-    quick.effort = std::min(recipe.effort, is_rough ? Effort::draft : Effort::fast);
-    CompactRuns runs(options.progress);
-    if (!CompactSearch<C>(image, options, lattice_of(0.2), runs, parallel_for).begin(quick, out)) return out;
-    if (out.psnr < Target::invisible) {  // an image of one colour needs no more
-        std::vector<CompactGuess> found;
-        const auto look = [&](double share) {
-            CompactGuess next{0, lattice_of(share), 0, 0};
-            if (!found.empty() && next.lattice == found.back().lattice) return 0.0;
-            const std::int64_t likely = found.empty() ? expected : found.back().n;
-            // Of some numbers of vertices, few, there is no mesh on a lattice.
-            for (int percent = 100; percent > 90 && next.color_step == 0 && out.status; percent -= 3) {
-                next.n = std::max<std::int64_t>(4, likely * percent / 100);
-                next.promise = CompactSearch<C>(image, options, next.lattice, runs, parallel_for)
-                                   .guess(next.n, next.color_step, quick, is_rough ? 0 : 3, out.status);
-            }
-            if (next.color_step > 0) found.push_back(next);
-            return next.promise;
-        };
-        // This is best for photographs. Drawings promise decibels more on finer ones, and chance alone up to 0.3.
-        double most = look(0.07) + 0.3;
-        if (!found.empty()) found.front().promise = most;
-        for (const double share : {0.045, 0.03, 0.02}) {
-            if (!is_compared) break;
-            const double promise = look(share);
-            if (!(promise > most)) break;
-            most = promise;
-            if (share == 0.045) most = std::max(most, look(0.06));
-        }
-        if (!out.status) return out.bytes.clear(), out;
-        const kit::Array<kit::Coded> order =
-            kit::sorted_numbers(found.size(), [&](std::uint32_t k) { return kit::code_of(-found[k].promise); });
-        const double begun = out.psnr;
-        double before = begun;
-        std::size_t chosen = order.empty() ? 0 : order.front().number, filled = 0;
-        for (const kit::Coded& item : order) {  // the best first
-            if (filled == lattices) break;
-            CompactGuess& guess = found[item.number];
-            CompactSearch<C> search(image, options, guess.lattice, runs, parallel_for);
-            if (!search.fill(guess.n, guess.color_step, recipe, out)) return out.bytes.clear(), out;
-            if (out.psnr > before) before = out.psnr, chosen = item.number;
-            if (before > begun) ++filled;  // on a lattice without a mesh, none is
-        }
-        Annealed again = recipe;
-        for (std::size_t k = 1; k < tries && chosen < found.size(); ++k) {
-            ++again.seed;
-            CompactSearch<C> search(image, options, found[chosen].lattice, runs, parallel_for);
-            if (!search.fill(found[chosen].n, found[chosen].color_step, again, out)) return out.bytes.clear(), out;
-        }
-    }
+    kit::MomentTable<C> table(shrunken.view(), shrunken.view().bounds(), parallel_for);
+    return {std::move(shrunken), std::move(table), view.width, view.height};
+}
+
+/// compact_image() of a valid view, whose colours are premultiplied already where they are to be.
+template <class T, int C>
+[[nodiscard]] CompactImage find_compact_image(const ImageView<T, C>& view, const CompactImageOptions& options,
+                                              const Annealed& recipe, const ParallelFor& parallel_for) {
+    const std::int64_t pixels = std::int64_t{view.width} * view.height;
+    const auto bytes = static_cast<std::int64_t>(std::min<std::uint64_t>(options.bytes, std::uint64_t{1} << 40U));
+    const std::int64_t expected = std::max<std::int64_t>(4, std::min(pixels, bytes * 2 / 5));  // 20 bits a vertex
+    const CompactReference<C> image = compact_reference(view, expected, parallel_for);
+    CompactImage out = CompactChoice<C>(image, expected, options, recipe, parallel_for).run();
+    if (!out.status) return out;
     out.mesh = read_file(out.bytes, options).mesh;
-    if (runs.are_heard() && !options.progress({"compact image", 1, out.mesh.vertex_count(), 0, 1, {}})) {
+    if (options.progress && !options.progress({"compact image", 1, out.mesh.vertex_count(), 0, 1, {}})) {
         out = {};
         out.status = kit::cancelled_by_callback();
         return out;
