@@ -1338,8 +1338,8 @@ struct IntLanes {
     [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes halves(const std::int16_t* lower, const std::int16_t* upper) {
 #if defined(HMESH_HAS_INT_REGISTERS)
         using Shorts = short __attribute__((vector_size(16)));
-        using Pair = long long __attribute__((vector_size(16)));
-        long long low, high;
+        using Pair = std::int64_t __attribute__((vector_size(16)));
+        std::int64_t low = 0, high = 0;
         std::memcpy(&low, lower, sizeof low);
         std::memcpy(&high, upper, sizeof high);
         const auto x = reinterpret_cast<Shorts>(Pair{low, 0}), y = reinterpret_cast<Shorts>(Pair{high, 0});
