@@ -4007,16 +4007,16 @@ class CompactRuns {
     double done_ = 0;
 };
 
-/// How many rounds a mesh takes on the lattice. Twice as many are worth 0.02 to 0.04 dB with `normal` and 0.004 with `fine`.
+/// How many rounds a mesh takes on the lattice. With `normal` 8 would gain 0.01 dB in 1.04 of all time, 16 0.03; with `fine` 80 0.004.
 [[nodiscard]] inline int lattice_rounds(Effort effort) noexcept {
     switch (effort) {
         case Effort::draft: return 2;
         case Effort::fast: return 4;
-        case Effort::normal: return 8;
+        case Effort::normal: return 6;
         case Effort::fine: return 40;
         case Effort::best: return 300;
     }
-    return 8;
+    return 6;
 }
 
 /// The search of compact_image() on one lattice.
