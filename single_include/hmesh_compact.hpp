@@ -4007,7 +4007,8 @@ class CompactRuns {
     double done_ = 0;
 };
 
-/// How many rounds a mesh takes on the lattice. With `normal` 8 would gain 0.01 dB in 1.04 of all time, 16 0.03; with `fine` 80 0.004.
+/// How many rounds a mesh takes on the lattice. With `normal` 8 would gain 0.01 dB in 1.04 of all time, 16 rounds 0.03; with
+/// `fine` 80 would gain 0.004.
 [[nodiscard]] inline int lattice_rounds(Effort effort) noexcept {
     switch (effort) {
         case Effort::draft: return 2;

@@ -350,7 +350,7 @@ class MomentTable {
             for (int c = 0; c < C; ++c) pair[pixel_at + c] = samples[c];
     }
 
-    void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
+    HMESH_PATCHWISE void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
         Entry sums[band];
         for (Entry& of_row : sums) of_row.of_samples = of_row.by_column = Channels::zero();
         // What is added for each pixel. Loops of their own: lanes set one by one are loaded as one sooner than they are stored.
@@ -380,7 +380,7 @@ class MomentTable {
         });
     }
 
-    void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
+    HMESH_PATCHWISE void fill_weighted(const Rect& rect, PixelReader pixels, PixelReader weights, int begin, int end) {
         double sums[band][numbers] = {}, powers[band][2] = {};
         for_each_run<double>(rect, pixels, begin, end, [&](int y, int x0, int count, const double* pixel) {
             double *const sum = sums[y - begin], *const power = powers[y - begin];
