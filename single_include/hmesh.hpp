@@ -1390,17 +1390,8 @@ struct IntLanes {
         IntLanes r = a;
         return r += b;
     }
-    /// The product, lane by lane, of numbers from 0 to 2^15 - 1; where one is 0, the other may be any.
-    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes small_product(const IntLanes& a, const IntLanes& b) {
-#if defined(HMESH_HAS_INT_REGISTERS)
-        return product_of_halves(a, b);
-#else
-        IntLanes r;
-        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
-        return r;
-#endif
-    }
     /// Lane by lane the product of the lower halves and that of the upper ones, added: of integers of 16 bits with their signs.
+    /// Of numbers from 0 to 2^15 - 1 it is the product.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes product_of_halves(const IntLanes& a, const IntLanes& b) {
 #if defined(HMESH_HAS_INT_REGISTERS)
         using Shorts = short __attribute__((vector_size(16)));
@@ -8308,19 +8299,11 @@ class ImageSource {
     /// Writes the samples of the `count` pixels from (x, y) to the right, pixel after pixel, as a PixelReader does. They may lie
     /// beyond the image along the axes of periodic().
     void read(int x, int y, int count, double* to) const noexcept {
-        for_each_part(x, y, count, [&](int from, int row, int part) {
-            read_(*this, from, row, part, to);
-            if (scale_ != nullptr) scale_->to_samples(to, part);
-            to += std::ptrdiff_t{C} * part;
-        });
+        read_parts(read_, x, y, count, to);
+        if (scale_ != nullptr) scale_->to_samples(to, count);
     }
     /// The same of a source without scale(), as an IntegerReader does.
-    void read(int x, int y, int count, std::int16_t* to) const noexcept {
-        for_each_part(x, y, count, [&](int from, int row, int part) {
-            read_integers_(*this, from, row, part, to);
-            to += std::ptrdiff_t{C} * part;
-        });
-    }
+    void read(int x, int y, int count, std::int16_t* to) const noexcept { read_parts(read_integers_, x, y, count, to); }
     /// Writes how often these pixels count, as WeightScale rounds it; only if is_weighted().
     void read_weights(int x, int y, int count, double* to) const noexcept {
         for_each_part(x, y, count, [&](int from, int row, int part) {
@@ -8388,6 +8371,15 @@ class ImageSource {
             part = std::min(count, width_ - from);
             body(from, y, part);
         }
+    }
+    /// Reads them by a function for pixels of the image.
+    template <class Number>
+    void read_parts(void (*part_reader)(const ImageSource&, int, int, int, Number*) noexcept, int x, int y, int count,
+                    Number* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            part_reader(*this, from, row, part, to);
+            to += std::ptrdiff_t{C} * part;
+        });
     }
     template <class T, class Number>
     static void read_view(const ImageSource& source, int x, int y, int count, Number* to) noexcept {
@@ -8745,8 +8737,8 @@ struct PairSums<3, true> {
         const std::int32_t* const pair = table.pair(i, j);
         const IntLanes pixel = IntLanes::bytes(MomentTable<3>::bytes_beyond(pair, i));  // the last one
         s += (IntLanes::load(pair) + pixel).doubles();
-        sx += (IntLanes::load(pair + MomentTable<3>::lanes) + small_product(pixel, IntLanes::all(i - 1))).doubles();
-        last_squares += small_product(pixel, pixel);
+        sx += (IntLanes::load(pair + MomentTable<3>::lanes) + product_of_halves(pixel, IntLanes::all(i - 1))).doubles();
+        last_squares += product_of_halves(pixel, pixel);
         sy += s;
     }
     /// Ends the sums before the row `end`. The sum of the squares.

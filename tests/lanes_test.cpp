@@ -170,7 +170,7 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
             other[i] = small[i] == 0 ? any() : static_cast<std::int32_t>(random.below(32768));
         }
         const IntLanes a = IntLanes::load(x + 1), b = IntLanes::load(y), sum = a + b, bytes = IntLanes::bytes(x[1]);
-        const IntLanes product = small_product(IntLanes::load(small), IntLanes::load(other));
+        const IntLanes product = product_of_halves(IntLanes::load(small), IntLanes::load(other));
         const Lanes<4> doubles = a.doubles();
         std::int16_t lower[5], upper[5];  // loaded at odd places
         for (int i = 0; i < 5; ++i) lower[i] = static_cast<std::int16_t>(any()), upper[i] = static_cast<std::int16_t>(any());
@@ -194,7 +194,7 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
         }
     }
     const std::int32_t most[4] = {32767, 0, 1, 32767}, of[4] = {32767, -1, 32767, 0};
-    const IntLanes product = small_product(IntLanes::load(most), IntLanes::load(of));
+    const IntLanes product = product_of_halves(IntLanes::load(most), IntLanes::load(of));
     CHECK(product[0] == 32767 * 32767);
     CHECK(product[1] == 0);
     CHECK(product[2] == 32767);

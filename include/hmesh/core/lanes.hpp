@@ -454,17 +454,8 @@ struct IntLanes {
         IntLanes r = a;
         return r += b;
     }
-    /// The product, lane by lane, of numbers from 0 to 2^15 - 1; where one is 0, the other may be any.
-    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes small_product(const IntLanes& a, const IntLanes& b) {
-#if defined(HMESH_HAS_INT_REGISTERS)
-        return product_of_halves(a, b);
-#else
-        IntLanes r;
-        for (std::size_t i = 0; i < 4; ++i) r.block[i] = a.block[i] * b.block[i];
-        return r;
-#endif
-    }
     /// Lane by lane the product of the lower halves and that of the upper ones, added: of integers of 16 bits with their signs.
+    /// Of numbers from 0 to 2^15 - 1 it is the product.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes product_of_halves(const IntLanes& a, const IntLanes& b) {
 #if defined(HMESH_HAS_INT_REGISTERS)
         using Shorts = short __attribute__((vector_size(16)));

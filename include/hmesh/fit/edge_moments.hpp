@@ -166,8 +166,8 @@ struct PairSums<3, true> {
         const std::int32_t* const pair = table.pair(i, j);
         const IntLanes pixel = IntLanes::bytes(MomentTable<3>::bytes_beyond(pair, i));  // the last one
         s += (IntLanes::load(pair) + pixel).doubles();
-        sx += (IntLanes::load(pair + MomentTable<3>::lanes) + small_product(pixel, IntLanes::all(i - 1))).doubles();
-        last_squares += small_product(pixel, pixel);
+        sx += (IntLanes::load(pair + MomentTable<3>::lanes) + product_of_halves(pixel, IntLanes::all(i - 1))).doubles();
+        last_squares += product_of_halves(pixel, pixel);
         sy += s;
     }
     /// Ends the sums before the row `end`. The sum of the squares.

@@ -187,19 +187,11 @@ class ImageSource {
     /// Writes the samples of the `count` pixels from (x, y) to the right, pixel after pixel, as a PixelReader does. They may lie
     /// beyond the image along the axes of periodic().
     void read(int x, int y, int count, double* to) const noexcept {
-        for_each_part(x, y, count, [&](int from, int row, int part) {
-            read_(*this, from, row, part, to);
-            if (scale_ != nullptr) scale_->to_samples(to, part);
-            to += std::ptrdiff_t{C} * part;
-        });
+        read_parts(read_, x, y, count, to);
+        if (scale_ != nullptr) scale_->to_samples(to, count);
     }
     /// The same of a source without scale(), as an IntegerReader does.
-    void read(int x, int y, int count, std::int16_t* to) const noexcept {
-        for_each_part(x, y, count, [&](int from, int row, int part) {
-            read_integers_(*this, from, row, part, to);
-            to += std::ptrdiff_t{C} * part;
-        });
-    }
+    void read(int x, int y, int count, std::int16_t* to) const noexcept { read_parts(read_integers_, x, y, count, to); }
     /// Writes how often these pixels count, as WeightScale rounds it; only if is_weighted().
     void read_weights(int x, int y, int count, double* to) const noexcept {
         for_each_part(x, y, count, [&](int from, int row, int part) {
@@ -267,6 +259,15 @@ class ImageSource {
             part = std::min(count, width_ - from);
             body(from, y, part);
         }
+    }
+    /// Reads them by a function for pixels of the image.
+    template <class Number>
+    void read_parts(void (*part_reader)(const ImageSource&, int, int, int, Number*) noexcept, int x, int y, int count,
+                    Number* to) const noexcept {
+        for_each_part(x, y, count, [&](int from, int row, int part) {
+            part_reader(*this, from, row, part, to);
+            to += std::ptrdiff_t{C} * part;
+        });
     }
     template <class T, class Number>
     static void read_view(const ImageSource& source, int x, int y, int count, Number* to) noexcept {
