@@ -8175,7 +8175,7 @@ struct SourceCalls {
     /// ImageSource::visit().
     void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
                   FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
-    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp), found without a
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/points_by_rows.hpp), found without a
     /// number for each pixel in memory. Meaningless once go_on(), called on any thread, has said false.
     Array<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
                                    FunctionRef<bool()> go_on) = nullptr;
@@ -14363,8 +14363,8 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 /// sequence, x / g + y / g^2 modulo 1 with g^3 = g + 1 (M. Roberts, "The unreasonable effectiveness of quasirandom sequences",
 /// 2018), whose values nearby differ as much as they can.
 ///
-/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Of an image that is not
-/// in memory three times that, and nothing for each pixel.
+/// Cost: some 13 ns a pixel of 3 channels, 20 without AVX, of which 3 are for the mask; 4 bytes a pixel. Images that are not in
+/// memory: points_by_rows.hpp.
 #ifndef HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 #define HMESH_METHODS_ANNEALED_FIRST_POINTS_HPP
 
@@ -14375,6 +14375,7 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, double ti
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <utility>
 
 namespace hmesh::kit {
 namespace detail {
@@ -14507,9 +14508,10 @@ HMESH_NEVER_INLINE double find_density(const ImageSource<C>& source, std::size_t
     return static_cast<float>(std::max(0.1 * sum / pixels, static_cast<double>(std::numeric_limits<float>::min())));
 }
 
-/// Turns the densities of row y into ranks. Never inlined, likewise.
-HMESH_NEVER_INLINE inline void rank_row(float* densities, int y, int width) noexcept {
-    for (int x = 0; x < width; ++x) densities[x] = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(densities[x]));
+/// Turns the densities of the pixels [begin, end) of row y into ranks. Never inlined, likewise.
+HMESH_NEVER_INLINE inline void rank_row(float* densities, int begin, int end, int y) noexcept {
+    for (int x = begin; x < end; ++x, ++densities)
+        *densities = static_cast<float>((mask_at(x, y) + 1e-6) / static_cast<double>(*densities));
 }
 
 }  // namespace detail
@@ -14538,7 +14540,7 @@ template <int C>
     for_each_chunk(parallel_for, static_cast<std::size_t>(density.height()), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const int y = static_cast<int>(row);
-            detail::rank_row(density.pixel(0, y), y, density.width());
+            detail::rank_row(density.pixel(0, y), 0, density.width(), y);
         }
     });
     return density;
@@ -14549,25 +14551,53 @@ namespace detail {
 /// The ranks of the pixels of rows [begin, end), row after row; `room` is for whoever has to calculate them.
 using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end, Array<float>& room)>;
 
+/// Pixels that may be among the first points, row by row.
+struct PointCandidates {
+    Array<std::uint32_t> pixels;  ///< y * width + x
+    Array<std::uint32_t> ranks;   ///< bits_of() each pixel's rank
+};
+
+/// The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
+inline constexpr std::uint32_t rank_bin_shift = 20;
+using RankBins = std::array<std::uint32_t, 1U << (31 - rank_bin_shift)>;
+
+/// Of so many pixels those of the least ranks, and of equal ranks those that come first. count <= pixels.
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> least_of(PointCandidates candidates, std::size_t count) {
+    Array<std::uint32_t>&points = candidates.pixels, &ranks = candidates.ranks;
+    RankBins bins{};
+    for (const std::uint32_t rank : ranks) ++bins[rank >> rank_bin_shift];
+    std::uint32_t last_bin = 0;
+    std::size_t below = 0;  // points in lower bins
+    while (below + bins[last_bin] < count) below += bins[last_bin++];
+    // Of those in the last bin as many as are missing.
+    Array<Coded> in_last;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (ranks[k] >> rank_bin_shift == last_bin) in_last.push_back({ranks[k], points[k]});
+    sort_by_code(in_last);
+    in_last.push_back({(std::uint64_t{last_bin} + 1) << rank_bin_shift, 0});
+    const Coded& left_out = in_last[count - below];  // the first of them
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < points.size(); ++k)
+        if (ranks[k] < left_out.code || (ranks[k] == left_out.code && points[k] < left_out.number)) points[kept++] = points[k];
+    points.resize(kept);
+    return std::move(points);
+}
+
 /// first_points(), with pieces of work of `band` rows. Ranks are asked for twice.
 [[nodiscard]] HMESH_COLD inline Array<std::uint32_t> least_ranks(std::size_t width, std::size_t rows, std::size_t band,
                                                                  RanksOfRows ranks, std::size_t count,
                                                                  const ParallelFor& parallel_for) {
-    // The upper bits of a rank are its bin: few pixels are in that of the last point, as a rule.
-    constexpr std::uint32_t shift = 20;
-    using Bins = std::array<std::uint32_t, 1U << (31 - shift)>;
-    Array<Bins> of_band(rows / band + 1, Bins{});
+    Array<RankBins> of_band(rows / band + 1, RankBins{});
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
-        Bins& bins = of_band[begin / band];
+        RankBins& bins = of_band[begin / band];
         Array<float> room;
         const float* const at = ranks(begin, end, room);
-        for (std::size_t k = 0; k < (end - begin) * width; ++k) ++bins[bits_of(at[k]) >> shift];
+        for (std::size_t k = 0; k < (end - begin) * width; ++k) ++bins[bits_of(at[k]) >> rank_bin_shift];
     });
     // Candidates: the pixels in the bins up to that of the last point.
     Array<std::size_t> first(of_band.size() + 1, 0);  // candidate of each band
     std::uint32_t last_bin = 0;
-    std::size_t below = 0;  // points in lower bins
-    for (std::size_t total = 0;; below = total, ++last_bin) {
+    for (std::size_t total = 0;; ++last_bin) {
         for (std::size_t k = 0; k < of_band.size(); ++k) {
             first[k + 1] += of_band[k][last_bin];
             total += of_band[k][last_bin];
@@ -14575,7 +14605,7 @@ using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end,
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    Array<std::uint32_t> points(first.back()), bits(first.back());
+    PointCandidates candidates{Array<std::uint32_t>(first.back()), Array<std::uint32_t>(first.back())};
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         const std::size_t last = first[begin / band + 1];
@@ -14583,24 +14613,12 @@ using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end,
         const float* const at = ranks(begin, end, room);
         // Ranks are others than before where who finds them was told to stop: `last` keeps such a band from the next one's room.
         for (std::size_t k = 0; k < (end - begin) * width; ++k)
-            if (const std::uint32_t here = bits_of(at[k]); here >> shift <= last_bin && to < last) {
-                points[to] = static_cast<std::uint32_t>(begin * width + k);
-                bits[to++] = here;
+            if (const std::uint32_t here = bits_of(at[k]); here >> rank_bin_shift <= last_bin && to < last) {
+                candidates.pixels[to] = static_cast<std::uint32_t>(begin * width + k);
+                candidates.ranks[to++] = here;
             }
     });
-    // Of those in the last bin as many as are missing.
-    Array<Coded> in_last;  // the last bin's
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if (bits[k] >> shift == last_bin) in_last.push_back({bits[k], points[k]});
-    const std::size_t missing = count - below;
-    if (missing >= in_last.size()) return points;
-    sort_by_code(in_last);
-    const Coded& left_out = in_last[missing];  // the first of them
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < points.size(); ++k)
-        if (bits[k] < left_out.code || (bits[k] == left_out.code && points[k] < left_out.number)) points[kept++] = points[k];
-    points.resize(kept);
-    return points;
+    return least_of(std::move(candidates), count);
 }
 
 }  // namespace detail
@@ -14613,32 +14631,6 @@ using RanksOfRows = FunctionRef<const float*(std::size_t begin, std::size_t end,
     const auto width = static_cast<std::size_t>(ranks.width()), rows = static_cast<std::size_t>(ranks.height());
     const auto of_rows = [&](std::size_t begin, std::size_t, Array<float>&) { return ranks.pixel(0, static_cast<int>(begin)); };
     return detail::least_ranks(width, rows, 65536 / (width + 1) + 1, of_rows, count, parallel_for);
-}
-
-/// The same pixels for the ranks of point_density(), of which no more than some rows are held: they are found three times. Once
-/// go_on() says false, called before each band of 32 rows on any thread, the result is meaningless.
-template <int C>
-[[nodiscard]] HMESH_COLD Array<std::uint32_t> first_points(const ImageSource<C>& source, std::size_t count,
-                                                           const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
-    const auto width = static_cast<std::size_t>(source.width()), rows = static_cast<std::size_t>(source.height());
-    float least = 0;
-    const auto densities = [&](std::size_t begin, std::size_t end, Array<float>& room) {
-        room.assign((end - begin) * width, 1.0F);
-        return go_on() ? detail::find_density(source, begin, end, room.data()) : 0;
-    };
-    const double sum = ordered_sum(parallel_for, rows, detail::density_band, [&](std::size_t begin, std::size_t end) {
-        Array<float> room;
-        return densities(begin, end, room);
-    });
-    least = detail::even_density(sum, source.pixels());
-    const auto ranks = [&](std::size_t begin, std::size_t end, Array<float>& room) -> const float* {
-        (void)densities(begin, end, room);
-        for (float& density : room) density += least;
-        for (std::size_t y = begin; y < end; ++y)
-            detail::rank_row(room.data() + (y - begin) * width, static_cast<int>(y), source.width());
-        return room.data();
-    };
-    return detail::least_ranks(width, rows, detail::density_band, ranks, count, parallel_for);
 }
 
 }  // namespace hmesh::kit

@@ -63,7 +63,7 @@ struct SourceCalls {
     /// ImageSource::visit().
     void (*visit)(const ImageSource<C>&, std::size_t count, FunctionRef<Point(std::size_t k)> at,
                   FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) = nullptr;
-    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/first_points.hpp), found without a
+    /// The `count` pixels, as y * width + x, where first points stand (methods/annealed/points_by_rows.hpp), found without a
     /// number for each pixel in memory. Meaningless once go_on(), called on any thread, has said false.
     Array<std::uint32_t> (*points)(const ImageSource<C>&, std::size_t count, const ParallelFor&,
                                    FunctionRef<bool()> go_on) = nullptr;

@@ -18,7 +18,7 @@
 #include "hmesh/image/channel_weights.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/image/weights.hpp"
-#include "hmesh/methods/annealed/first_points.hpp"
+#include "hmesh/methods/annealed/points_by_rows.hpp"
 #include "hmesh/methods/psnr_search_going_on.hpp"
 #include "hmesh/tiles/tiled_mesh.hpp"
 
@@ -72,7 +72,7 @@ template <class T, int C>
     const double unit = kit::weight_unit(options.weights, parallel_for);
     const double pixels = kit::weight_sum(options.weights, unit, width, height, parallel_for);
     const auto source =
-        kit::read_source(image, options.weights, unit, &kit::first_points<C>)
+        kit::read_source(image, options.weights, unit, &kit::points_by_rows<C>)
             .with_periodic(options.periodic, options.straight_border)
             .with_samples(options.samples);
     kit::ChannelScale<C> scale;
