@@ -40,8 +40,8 @@ def test_the_mesh_is_that_of_the_whole_image(hmesh, name):
 
 
 def test_rows_of_tiles_of_a_large_image_are_read_in_bands(hmesh):
-    draw("small.pgm")  # what is larger than 4 megapixels has tables of its tiles
-    Image.open("small.pgm").resize((4400, 1010), Image.BICUBIC).save("large.pgm")
+    draw("small.pgm")  # what is larger than 4 megapixels has tables of its tiles; 24 bands, of which 16 are kept
+    Image.open("small.pgm").resize((2900, 1500), Image.BICUBIC).save("large.pgm")
     options = "large.pgm --vertices 400 --effort draft"
     hmesh.done(f"{options} -o whole.ply")
     for threads in [1, 3]:

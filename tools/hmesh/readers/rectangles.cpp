@@ -50,14 +50,14 @@ class PlainFile : public RectangleFile {
         const std::size_t size = static_cast<std::size_t>(rect.width) * pixel, from = static_cast<std::size_t>(rect.x) * pixel;
         const bool in_bands = 2 * rect.width < layout_.width && narrow_.fetch_add(1) >= first_in_bands;
         std::vector<unsigned char> bytes(in_bands ? 0 : size);
-        Band band;
+        BandInUse band(*this);
         for (int j = 0; j < rect.height; ++j) {
             const int y = layout_.is_bottom_up ? layout_.height - 1 - (rect.y + j) : rect.y + j;
             const unsigned char* row = bytes.data();
             std::string why;
             if (in_bands) {
-                if (!band.bytes || y / band_rows != band.number) why = find_band(y / band_rows, band);
-                if (why.empty()) row = band.bytes->data() + static_cast<std::size_t>(y % band_rows) * layout_.row_bytes() + from;
+                why = band.turn_to(y / band_rows);
+                if (why.empty()) row = band.bytes() + static_cast<std::size_t>(y % band_rows) * layout_.row_bytes() + from;
             } else {
                 why = file_.read(place_of(y) + from, size, bytes.data());
             }
@@ -75,8 +75,27 @@ class PlainFile : public RectangleFile {
     // piece of a row would be a call of the system's: with bands these take 0.4 of the time. What reads a tile or two, as tasks
     // of a job do, reads no more than these.
     struct Band {
-        int number = -1;
-        std::shared_ptr<const std::vector<unsigned char>> bytes;
+        int number = -1, users = 0;
+        std::vector<unsigned char> bytes;
+    };
+    // A band that is not read over while it is looked at.
+    class BandInUse {
+      public:
+        explicit BandInUse(PlainFile& file) noexcept : file_(&file) {}
+        BandInUse(const BandInUse&) = delete;
+        BandInUse& operator=(const BandInUse&) = delete;
+        ~BandInUse() { file_->leave(band_); }
+        // Looks at this one. Returns "" or why it could not be read.
+        [[nodiscard]] std::string turn_to(int number) {
+            if (band_ != nullptr && band_->number == number) return {};
+            file_->leave(band_);
+            return file_->enter(number, band_);
+        }
+        [[nodiscard]] const unsigned char* bytes() const noexcept { return band_->bytes.data(); }
+
+      private:
+        PlainFile* file_;
+        Band* band_ = nullptr;
     };
     static constexpr int band_rows = 64, first_in_bands = 8;
     static constexpr std::size_t most_bands = 16;  // of two rows of tiles
@@ -85,21 +104,32 @@ class PlainFile : public RectangleFile {
         return layout_.first + std::uint64_t{layout_.row_bytes()} * static_cast<std::uint64_t>(y);
     }
 
-    [[nodiscard]] std::string find_band(int number, Band& band) {
+    // Memory of bands is used again: new memory costs as much as reading into it, as the system hands it out in cleared pages.
+    [[nodiscard]] std::string enter(int number, Band*& band) {
+        band = nullptr;
         const std::lock_guard<std::mutex> lock(mutex_);
-        const auto at = std::find_if(bands_.begin(), bands_.end(), [&](const Band& known) { return known.number == number; });
-        if (at != bands_.end()) {
-            std::rotate(at, at + 1, bands_.end());  // the last one used is the last
-        } else {
-            const int rows = std::min(band_rows, layout_.height - number * band_rows);
-            auto bytes = std::make_shared<std::vector<unsigned char>>(static_cast<std::size_t>(rows) * layout_.row_bytes());
-            if (std::string why = file_.read(place_of(number * band_rows), bytes->size(), bytes->data()); !why.empty())
+        auto at = std::find_if(bands_.begin(), bands_.end(), [&](const auto& known) { return known->number == number; });
+        if (at == bands_.end()) {
+            if (bands_.size() >= most_bands)
+                at = std::find_if(bands_.begin(), bands_.end(), [](const auto& known) { return known->users == 0; });
+            if (at == bands_.end()) at = bands_.insert(at, std::make_unique<Band>());
+            Band& read = **at;
+            read.number = -1;  // what is there now goes
+            const auto rows = static_cast<std::size_t>(std::min(band_rows, layout_.height - number * band_rows));
+            read.bytes.resize(rows * layout_.row_bytes());
+            if (std::string why = file_.read(place_of(number * band_rows), read.bytes.size(), read.bytes.data()); !why.empty())
                 return why;
-            if (bands_.size() == most_bands) bands_.erase(bands_.begin());
-            bands_.push_back({number, std::move(bytes)});
+            read.number = number;
         }
-        band = bands_.back();
+        std::rotate(at, at + 1, bands_.end());  // the last one used is the last
+        band = bands_.back().get();
+        ++band->users;
         return {};
+    }
+    void leave(Band* band) noexcept {
+        if (band == nullptr) return;
+        const std::lock_guard<std::mutex> lock(mutex_);
+        --band->users;
     }
 
     bool fail(const std::string& why) {
@@ -112,7 +142,7 @@ class PlainFile : public RectangleFile {
     PlainLayout layout_;
     std::atomic<int> narrow_{0};  // rectangles of less than half the image's width, so far
     std::mutex mutex_;
-    std::vector<Band> bands_;
+    std::vector<std::unique_ptr<Band>> bands_;
     std::string why_;
 };
 
