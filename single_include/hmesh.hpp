@@ -4849,6 +4849,85 @@ inline Status write_obj(const MeshView& source, Sink sink) {
 
 #endif  // HMESH_IO_OBJ_HPP
 
+// ---- hmesh/io/detail/pdf_file.hpp
+
+/// \file
+/// The frame of a PDF file: objects one after the other, and where each begins.
+#ifndef HMESH_IO_DETAIL_PDF_FILE_HPP
+#define HMESH_IO_DETAIL_PDF_FILE_HPP
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace hmesh::detail {
+
+/// A file of objects one after the other, numbered from 1, and the table of where each begins.
+class PdfFile {
+  public:
+    /// Begins a file in a sink, whose callable outlives this object.
+    explicit PdfFile(Sink sink) noexcept : writer_(sink) {
+        writer_.text("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");  // 4 bytes above 127 say that the file is binary
+    }
+    PdfFile(const PdfFile&) = delete;
+    PdfFile& operator=(const PdfFile&) = delete;
+
+    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 32 objects.
+    Writer& begin_object() {
+        HMESH_ASSERT(objects_ < offsets_.size());
+        offsets_[objects_++] = writer_.position();
+        writer_.decimal(static_cast<std::int64_t>(objects_));
+        writer_.text(" 0 obj\n<< ");
+        return writer_;
+    }
+    /// Ends an object without a stream, its dictionary by `more`.
+    void end_object(const char* more = "") {
+        writer_.text(more);
+        writer_.text(" >>\nendobj\n");
+    }
+    /// Ends the object's dictionary and puts its stream.
+    void end_object(const unsigned char* bytes, std::size_t size) {
+        writer_.text("\n/Length ");
+        writer_.decimal(static_cast<std::int64_t>(size));
+        writer_.text(" >>\nstream\n");
+        writer_.bytes(bytes, size);
+        writer_.text("\nendstream\nendobj\n");
+    }
+    /// Ends the file, with the numbers of its catalog and of the object that says who made it.
+    [[nodiscard]] Status finish(int root, int info) {
+        const std::int64_t table = writer_.position();
+        const auto entries = static_cast<std::int64_t>(objects_ + 1);
+        writer_.text("xref\n0 ");
+        writer_.decimal(entries);
+        writer_.text("\n0000000000 65535 f \n");
+        for (std::size_t i = 0; i < objects_; ++i) {
+            std::int64_t first_digit = 1000000000;  // of 10
+            for (; first_digit > 1 && offsets_[i] < first_digit; first_digit /= 10) writer_.text("0");
+            writer_.decimal(offsets_[i]);
+            writer_.text(" 00000 n \n");
+        }
+        writer_.text("trailer\n<< /Size ");
+        writer_.decimal(entries);
+        writer_.text(" /Root ");
+        writer_.decimal(root);
+        writer_.text(" 0 R /Info ");
+        writer_.decimal(info);
+        writer_.text(" 0 R >>\nstartxref\n");
+        writer_.decimal(table);
+        writer_.text("\n%%EOF\n");
+        return writer_.finish();
+    }
+
+  private:
+    Writer writer_;
+    std::array<std::int64_t, 32> offsets_{};
+    std::size_t objects_ = 0;
+};
+
+}  // namespace hmesh::detail
+
+#endif  // HMESH_IO_DETAIL_PDF_FILE_HPP
+
 // ---- hmesh/io/detail/shading_parts.hpp
 
 /// \file
@@ -5022,75 +5101,11 @@ class ShadingDivision {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
 
 namespace detail {
-
-/// A file of objects one after the other, numbered from 1, and the table of where each begins.
-class PdfFile {
-  public:
-    /// Begins a file in a sink, whose callable outlives this object.
-    explicit PdfFile(Sink sink) noexcept : writer_(sink) {
-        writer_.text("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");  // 4 bytes above 127 say that the file is binary
-    }
-    PdfFile(const PdfFile&) = delete;
-    PdfFile& operator=(const PdfFile&) = delete;
-
-    /// Begins an object and its dictionary, whose entries are for the caller to put. At most 32 objects.
-    Writer& begin_object() {
-        HMESH_ASSERT(objects_ < offsets_.size());
-        offsets_[objects_++] = writer_.position();
-        writer_.decimal(static_cast<std::int64_t>(objects_));
-        writer_.text(" 0 obj\n<< ");
-        return writer_;
-    }
-    /// Ends an object without a stream, its dictionary by `more`.
-    void end_object(const char* more = "") {
-        writer_.text(more);
-        writer_.text(" >>\nendobj\n");
-    }
-    /// Ends the object's dictionary and puts its stream.
-    void end_object(const unsigned char* bytes, std::size_t size) {
-        writer_.text("\n/Length ");
-        writer_.decimal(static_cast<std::int64_t>(size));
-        writer_.text(" >>\nstream\n");
-        writer_.bytes(bytes, size);
-        writer_.text("\nendstream\nendobj\n");
-    }
-    /// Ends the file, with the numbers of its catalog and of the object that says who made it.
-    [[nodiscard]] Status finish(int root, int info) {
-        const std::int64_t table = writer_.position();
-        const auto entries = static_cast<std::int64_t>(objects_ + 1);
-        writer_.text("xref\n0 ");
-        writer_.decimal(entries);
-        writer_.text("\n0000000000 65535 f \n");
-        for (std::size_t i = 0; i < objects_; ++i) {
-            std::int64_t first_digit = 1000000000;  // of 10
-            for (; first_digit > 1 && offsets_[i] < first_digit; first_digit /= 10) writer_.text("0");
-            writer_.decimal(offsets_[i]);
-            writer_.text(" 00000 n \n");
-        }
-        writer_.text("trailer\n<< /Size ");
-        writer_.decimal(entries);
-        writer_.text(" /Root ");
-        writer_.decimal(root);
-        writer_.text(" 0 R /Info ");
-        writer_.decimal(info);
-        writer_.text(" 0 R >>\nstartxref\n");
-        writer_.decimal(table);
-        writer_.text("\n%%EOF\n");
-        return writer_.finish();
-    }
-
-  private:
-    Writer writer_;
-    std::array<std::int64_t, 32> offsets_{};
-    std::size_t objects_ = 0;
-};
 
 /// A shading of a file, as it is stored.
 struct PdfShading {
@@ -5133,6 +5148,151 @@ inline void put_multiplier(PdfFile& file, const ShadingColors& colors) {
     file.end_object(reinterpret_cast<const unsigned char*>(code.data()), used);
 }
 
+/// The shadings of a mesh, one after another, and where they stand among the objects of a file: those of its colours and, where
+/// it has alpha, those of the mask of these.
+class PdfPage {
+  public:
+    /// Of a mesh of 1 to 4 channels with straight colours. It and the options must outlive the page.
+    PdfPage(const MeshView& mesh, const ShadingLayout& layout, const PageOptions& options) noexcept
+        : mesh_(&mesh), layout_(layout), options_(&options) {}
+
+    /// Makes all shadings and numbers the objects. Errc::write_failed where the compressor fails.
+    [[nodiscard]] Status plan() {
+        if (const Status status = make(mesh_->channels == 1 ? 1 : 3, 0, colors_); !status) return status;
+        if (is_masked())
+            if (const Status status = make(1, 3, alpha_); !status) return status;
+        // The functions that multiply stored colours come last.
+        group_at_ = first_color + static_cast<int>(colors_.size());
+        first_alpha_ = group_at_ + 3;
+        int next_function = is_masked() ? first_alpha_ + static_cast<int>(alpha_.size()) : group_at_;
+        for (std::vector<PdfShading>* const shadings : {&colors_, &alpha_})
+            for (PdfShading& shading : *shadings)
+                if (shading.colors.factor != 1) shading.colors.function = next_function++;
+        return {};
+    }
+    /// Puts all objects into a file that has none.
+    void put(PdfFile& file) const {
+        file.begin_object().text("/Producer (hmesh " HMESH_VERSION_STRING ")");  // maker
+        file.end_object();
+        file.begin_object().text("/Type /Catalog /Pages 3 0 R");  // catalog
+        file.end_object();
+        file.begin_object().text("/Type /Pages /Kids [4 0 R] /Count 1");  // 3
+        file.end_object();
+        put_page(file);
+        put_shadings(file, colors_);
+        if (is_masked()) {
+            // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
+            put_group(file, "RGB", first_color, colors_.size());
+            put_reference(file.begin_object(), "/Type /ExtGState /SMask << /S /Luminosity /G ", group_at_ + 2);
+            file.end_object(" >>");
+            put_group(file, "Gray", first_alpha_, alpha_.size());
+            put_shadings(file, alpha_);
+        }
+        put_functions(file, colors_);
+        put_functions(file, alpha_);
+    }
+    static constexpr int maker = 1, catalog = 2;  ///< numbers of these objects
+
+  private:
+    static constexpr int first_color = 6;
+
+    [[nodiscard]] bool is_masked() const noexcept { return mesh_->channels == 4 && mesh_->face_count != 0; }
+
+    /// Makes the shadings of these channels.
+    [[nodiscard]] Status make(int count, std::size_t first_channel, std::vector<PdfShading>& shadings) const {
+        if (mesh_->face_count == 0) return {};  // a shading has at least one
+        const auto channels = static_cast<std::size_t>(mesh_->channels);
+        kit::Array<double> shares;
+        shares.reserve(static_cast<std::size_t>(count) * mesh_->vertex_count);
+        for (std::size_t v = 0; v < mesh_->vertex_count; ++v)
+            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
+                shares.push_back(static_cast<double>(mesh_->colors[channels * v + first_channel + k]) / mesh_->peak);
+        return make_shadings(*mesh_, layout_, count, shares, *options_, shadings);
+    }
+
+    /// The page, object 4, and what draws it, object 5.
+    void put_page(PdfFile& file) const {
+        Writer& page = file.begin_object();
+        page.text("/Type /Page /Parent 3 0 R ");
+        put_box(page, "/MediaBox");
+        page.text(" /Contents 5 0 R\n/Resources << ");
+        if (is_masked()) {
+            put_reference(page, "/XObject << /X0 ", group_at_);
+            put_reference(page, " >> /ExtGState << /G0 ", group_at_ + 1);
+            page.text(" >> >>\n/Group << /S /Transparency /CS /DeviceRGB >>");
+        } else {
+            put_resources(page, first_color, colors_.size());
+        }
+        file.end_object();
+        file.begin_object();
+        if (is_masked()) end_drawing(file, "/G0 gs /X0 Do", 13);
+        else end_drawing(file, colors_.size());
+    }
+    /// A group that draws so many shadings, the first of which is object `first`.
+    void put_group(PdfFile& file, const char* space, int first, std::size_t count) const {
+        Writer& writer = file.begin_object();
+        writer.text("/Type /XObject /Subtype /Form ");
+        put_box(writer, "/BBox");
+        writer.text("\n/Group << /S /Transparency /CS /Device");
+        writer.text(space);
+        writer.text(" /I true >>\n/Resources << ");
+        put_resources(writer, first, count);
+        end_drawing(file, count);
+    }
+    void put_shadings(PdfFile& file, const std::vector<PdfShading>& shadings) const {
+        for (const PdfShading& shading : shadings) {
+            Writer& writer = file.begin_object();
+            write_shading_entries(writer, layout_, shading.colors);
+            if (options_->deflate) writer.text("\n/Filter /FlateDecode");
+            file.end_object(shading.bytes.data(), shading.bytes.size());
+        }
+    }
+    static void put_functions(PdfFile& file, const std::vector<PdfShading>& shadings) {
+        for (const PdfShading& shading : shadings)
+            if (shading.colors.factor != 1) put_multiplier(file, shading.colors);
+    }
+
+    void put_box(Writer& writer, const char* name) const {
+        writer.text(name);
+        writer.text(" [0 0 ");
+        writer.decimal(mesh_->right());
+        writer.text(" ");
+        writer.decimal(mesh_->bottom());
+        writer.text("]");
+    }
+    static void put_reference(Writer& writer, const char* before, int number) {
+        writer.text(before);
+        writer.decimal(number);
+        writer.text(" 0 R");
+    }
+    /// The names S0, S1 .. of so many shadings.
+    static void put_resources(Writer& writer, int first, std::size_t count) {
+        writer.text("/Shading <<");
+        for (std::size_t i = 0; i < count; ++i) {
+            writer.text(" /S");
+            writer.decimal(static_cast<std::int64_t>(i));
+            put_reference(writer, " ", first + static_cast<int>(i));
+        }
+        writer.text(" >> >>");
+    }
+    /// Ends an object by the stream that draws so many shadings.
+    static void end_drawing(PdfFile& file, std::size_t count) {
+        static constexpr char all[] = "/S0 sh /S1 sh /S2 sh /S3 sh /S4 sh";
+        const std::size_t size = count == 0 ? 0 : 7 * count - 1;
+        HMESH_ASSERT(size < sizeof all);
+        end_drawing(file, all, size);
+    }
+    static void end_drawing(PdfFile& file, const char* text, std::size_t size) {
+        file.end_object(reinterpret_cast<const unsigned char*>(text), size);
+    }
+
+    const MeshView* mesh_;
+    ShadingLayout layout_;
+    const PageOptions* options_;
+    std::vector<PdfShading> colors_, alpha_;
+    int group_at_ = 0, first_alpha_ = 0;  ///< objects: three that mask the colours, and the first shading of the mask
+};
+
 }  // namespace detail
 
 /// Writes a mesh of 1 to 4 channels as a PDF file; colours are held to [0, peak]. A mesh without vertices is a page on which
@@ -5147,120 +5307,11 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
         return write_pdf(whole.view(), sink, options);
     }
     const detail::ExportMesh exported(source, detail::Premultiplied::divided);
-    const MeshView& mesh = exported.view();
-    const auto channels = static_cast<std::size_t>(mesh.channels);
-    const int components = mesh.channels == 1 ? 1 : 3;
-    const bool is_masked = mesh.channels == 4 && mesh.face_count != 0;
-
-    std::vector<detail::PdfShading> colors, alpha;
-    const auto shade = [&](int count, std::size_t first_channel, std::vector<detail::PdfShading>& shadings) {
-        kit::Array<double> shares;
-        shares.reserve(static_cast<std::size_t>(count) * mesh.vertex_count);
-        for (std::size_t v = 0; v < mesh.vertex_count; ++v)
-            for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-                shares.push_back(static_cast<double>(mesh.colors[channels * v + first_channel + k]) / mesh.peak);
-        if (mesh.face_count == 0) return Status();  // a shading has at least one
-        return detail::make_shadings(mesh, layout, count, shares, options, shadings);
-    };
-    if (const Status status = shade(components, 0, colors); !status) return status;
-    if (is_masked)
-        if (const Status status = shade(1, 3, alpha); !status) return status;
-
-    // Numbers of objects. The functions that multiply stored colours come last.
-    constexpr int first_color = 6;
-    const int group_at = first_color + static_cast<int>(colors.size()), first_alpha = group_at + 3;
-    int next_function = is_masked ? first_alpha + static_cast<int>(alpha.size()) : group_at;
-    for (std::vector<detail::PdfShading>* shadings : {&colors, &alpha})
-        for (detail::PdfShading& shading : *shadings)
-            if (shading.colors.factor != 1) shading.colors.function = next_function++;
-
+    detail::PdfPage page(exported.view(), layout, options);
+    if (const Status status = page.plan(); !status) return status;
     detail::PdfFile file(sink);
-    const auto box = [&](detail::Writer& writer, const char* name) {
-        writer.text(name);
-        writer.text(" [0 0 ");
-        writer.decimal(mesh.right());
-        writer.text(" ");
-        writer.decimal(mesh.bottom());
-        writer.text("]");
-    };
-    const auto end_text_stream = [&](const char* text) {
-        file.end_object(reinterpret_cast<const unsigned char*>(text), std::strlen(text));
-    };
-    const auto reference = [](detail::Writer& writer, const char* before, int number) {
-        writer.text(before);
-        writer.decimal(number);
-        writer.text(" 0 R");
-    };
-    const auto resources = [&](detail::Writer& writer, int first, std::size_t count) {
-        writer.text("/Shading <<");
-        for (std::size_t i = 0; i < count; ++i) {
-            writer.text(" /S");
-            writer.decimal(static_cast<std::int64_t>(i));
-            reference(writer, " ", first + static_cast<int>(i));
-        }
-        writer.text(" >> >>");
-    };
-    const auto draw = [&](std::size_t count) {  // ends a stream that draws so many shadings
-        static constexpr char all[] = "/S0 sh /S1 sh /S2 sh /S3 sh /S4 sh";
-        const std::size_t size = count == 0 ? 0 : 7 * count - 1;
-        HMESH_ASSERT(size < sizeof all);
-        file.end_object(reinterpret_cast<const unsigned char*>(all), size);
-    };
-    const auto put = [&](const std::vector<detail::PdfShading>& shadings) {
-        for (const detail::PdfShading& shading : shadings) {
-            detail::Writer& writer = file.begin_object();
-            detail::write_shading_entries(writer, layout, shading.colors);
-            if (options.deflate) writer.text("\n/Filter /FlateDecode");
-            file.end_object(shading.bytes.data(), shading.bytes.size());
-        }
-    };
-    const auto put_functions = [&](const std::vector<detail::PdfShading>& shadings) {
-        for (const detail::PdfShading& shading : shadings)
-            if (shading.colors.factor != 1) detail::put_multiplier(file, shading.colors);
-    };
-    const auto group = [&](const char* space, int first, std::size_t count) {
-        detail::Writer& writer = file.begin_object();
-        writer.text("/Type /XObject /Subtype /Form ");
-        box(writer, "/BBox");
-        writer.text("\n/Group << /S /Transparency /CS /Device");
-        writer.text(space);
-        writer.text(" /I true >>\n/Resources << ");
-        resources(writer, first, count);
-        draw(count);
-    };
-    file.begin_object().text("/Producer (hmesh " HMESH_VERSION_STRING ")");  // 1
-    file.end_object();
-    file.begin_object().text("/Type /Catalog /Pages 3 0 R");  // 2
-    file.end_object();
-    file.begin_object().text("/Type /Pages /Kids [4 0 R] /Count 1");  // 3
-    file.end_object();
-    detail::Writer& page = file.begin_object();  // 4
-    page.text("/Type /Page /Parent 3 0 R ");
-    box(page, "/MediaBox");
-    page.text(" /Contents 5 0 R\n/Resources << ");
-    if (is_masked) {
-        reference(page, "/XObject << /X0 ", group_at);
-        reference(page, " >> /ExtGState << /G0 ", group_at + 1);
-        page.text(" >> >>\n/Group << /S /Transparency /CS /DeviceRGB >>");
-    } else {
-        resources(page, first_color, colors.size());
-    }
-    file.end_object();
-    file.begin_object();  // 5
-    if (is_masked) end_text_stream("/G0 gs /X0 Do");
-    else draw(colors.size());
-    put(colors);
-    if (is_masked) {
-        // The colours are a group and masked as a whole: poppler draws parts of a face over each other.
-        group("RGB", first_color, colors.size());
-        reference(file.begin_object(), "/Type /ExtGState /SMask << /S /Luminosity /G ", group_at + 2);
-        file.end_object(" >>");
-        group("Gray", first_alpha, alpha.size());
-        put(alpha);
-    }
-    put_functions(colors);
-    put_functions(alpha);
-    return file.finish(2, 1);
+    page.put(file);
+    return file.finish(page.catalog, page.maker);
 }
 
 }  // namespace hmesh
