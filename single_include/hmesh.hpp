@@ -17710,6 +17710,123 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, Array<double
         for (std::size_t k = 0; k < out.size(); ++k) out[k] += a(i, k) * b(i, k);
 }
 
+/// A solve under way: all columns at once, each until it has converged.
+class PcgRun {
+  public:
+    /// Of the system of solve_pcg(), whose parameters these are; all must outlive the run.
+    PcgRun(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options,
+           const std::vector<HeldEntry>& held)
+        : a_(&a), b_(&b), solution_(&x), options_(options), held_(&held), n_(b.rows), width_(b.columns), inverse_(n_, 0.0),
+          residual_(n_, width_), direction_(n_, width_), product_(n_, width_), norm_(width_), rr_(width_), rz_(width_),
+          rz_before_(width_), steps_(width_), reference_(width_), runs_(width_, 1) {
+        for (std::size_t i = 0; i < n_; ++i)
+            if (const double diagonal = a.diagonal(i); diagonal > 0) inverse_[i] = 1 / diagonal;
+    }
+
+    PcgReport run() {
+        find_norms();
+        for (bool is_first = true; start(is_first) && report_.iterations < options_.max_iterations; is_first = false) {
+            std::fill(direction_.values.begin(), direction_.values.end(), 0.0);
+            rz_before_ = rz_;  // the first direction is z itself: its factor multiplies 0
+            while (is_any_running() && report_.iterations < options_.max_iterations) iterate();
+        }
+        report_.converged = true;
+        for (std::size_t k = 0; k < width_; ++k) {
+            if (norm_[k] > 0) report_.residual = std::max(report_.residual, std::sqrt(rr_[k]) / norm_[k]);
+            report_.converged = report_.converged && is_small(k);
+        }
+        return report_;
+    }
+
+  private:
+    /// The norms of B's columns, what held entries give being part of B's side. Sets solutions of columns of 0.
+    void find_norms() {
+        // At first the direction has only the held entries of the solution.
+        for (const HeldEntry& entry : *held_) direction_(entry.row, entry.column) = (*solution_)(entry.row, entry.column);
+        if (!held_->empty()) multiply(*a_, direction_, product_);
+        subtract_product();
+        column_dots(residual_, residual_, norm_);
+        for (std::size_t k = 0; k < width_; ++k) {
+            norm_[k] = std::sqrt(norm_[k]);
+            for (std::size_t i = 0; i < n_ && norm_[k] == 0; ++i)
+                if (inverse_[i] > 0) (*solution_)(i, k) = direction_(i, k);
+        }
+    }
+    /// Finds the true residual, from which that of the iteration drifts by rounding, and the columns that go on from there: a
+    /// column has converged when the true one is small, and does not start again where the last start lowered its residual by
+    /// less than a factor of 2. Returns whether any goes on.
+    bool start(bool is_first) {
+        multiply(*a_, *solution_, product_);
+        subtract_product();
+        measure();
+        for (std::size_t k = 0; k < width_; ++k) {
+            runs_[k] = !is_small(k) && rz_[k] > 0 && (is_first || rr_[k] <= 0.25 * reference_[k]);
+            reference_[k] = rr_[k];
+        }
+        return is_any_running();
+    }
+    /// One step of all columns that run, along directions that are conjugate to those before.
+    void iterate() {
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t k = 0; k < width_; ++k)
+                if (runs_[k] != 0) direction_(i, k) = residual_(i, k) * inverse_[i] + rz_[k] / rz_before_[k] * direction_(i, k);
+        multiply(*a_, direction_, product_);
+        release(product_);
+        column_dots(direction_, product_, steps_);
+        for (std::size_t k = 0; k < width_; ++k) {
+            if (!(steps_[k] > 0)) runs_[k] = 0;  // the direction has no energy: a singular matrix, or rounding
+            steps_[k] = runs_[k] != 0 ? rz_[k] / steps_[k] : 0.0;
+        }
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t k = 0; k < width_; ++k) {
+                (*solution_)(i, k) += steps_[k] * direction_(i, k);
+                residual_(i, k) -= steps_[k] * product_(i, k);
+            }
+        rz_before_ = rz_;
+        measure();
+        ++report_.iterations;
+        for (std::size_t k = 0; k < width_; ++k)
+            if (is_small(k) || !(rz_[k] > 0)) runs_[k] = 0;
+    }
+
+    /// The residual is B less the product.
+    void subtract_product() {
+        for (std::size_t i = 0; i < residual_.values.size(); ++i) residual_.values[i] = b_->values[i] - product_.values[i];
+        release(residual_);
+    }
+    /// Held entries have no residual.
+    void release(DenseMatrix& rows) const {
+        for (const HeldEntry& entry : *held_) rows(entry.row, entry.column) = 0;
+    }
+    /// The products r r, and r z with z = r / diagonal.
+    void measure() {
+        std::fill(rr_.begin(), rr_.end(), 0.0);
+        std::fill(rz_.begin(), rz_.end(), 0.0);
+        for (std::size_t i = 0; i < n_; ++i)
+            for (std::size_t k = 0; k < width_; ++k) {
+                const double r = residual_(i, k);
+                rr_[k] += r * r;
+                rz_[k] += r * r * inverse_[i];
+            }
+    }
+    [[nodiscard]] bool is_small(std::size_t k) const { return std::sqrt(rr_[k]) <= options_.tolerance * norm_[k]; }
+    [[nodiscard]] bool is_any_running() const {
+        return std::any_of(runs_.begin(), runs_.end(), [](unsigned char runs) { return runs != 0; });
+    }
+
+    const SymmetricMatrix* a_;
+    const DenseMatrix* b_;
+    DenseMatrix* solution_;
+    PcgOptions options_;
+    const std::vector<HeldEntry>* held_;
+    std::size_t n_, width_;
+    Array<double> inverse_;  ///< the preconditioner; 0 where the diagonal is not positive
+    DenseMatrix residual_, direction_, product_;
+    Array<double> norm_, rr_, rz_, rz_before_, steps_, reference_;  ///< of each column
+    Array<unsigned char> runs_;                                     ///< whether a column goes on
+    PcgReport report_;
+};
+
 }  // namespace detail
 
 /// Solves A X = B. A: n by n, symmetric, positive semidefinite, both triangles stored. B: n by k. X: n by k, the start on entry,
@@ -17721,94 +17838,7 @@ inline void column_dots(const DenseMatrix& a, const DenseMatrix& b, Array<double
 inline PcgReport solve_pcg(const SymmetricMatrix& a, const DenseMatrix& b, DenseMatrix& x, const PcgOptions& options = {},
                            const std::vector<HeldEntry>& held = {}) {
     HMESH_ASSERT(b.rows == a.size() && x.rows == b.rows && x.columns == b.columns);
-    const std::size_t n = b.rows, width = b.columns;
-    PcgReport report;
-    report.converged = true;
-    if (n == 0 || width == 0) return report;
-
-    Array<double> inverse(n, 0.0);  // the preconditioner
-    for (std::size_t i = 0; i < n; ++i)
-        if (const double diagonal = a.diagonal(i); diagonal > 0) inverse[i] = 1 / diagonal;
-    DenseMatrix& solution = x;
-    DenseMatrix residual(n, width), direction(n, width), product(n, width);
-    Array<double> norm(width), rr(width), rz(width), rz_before(width), steps(width), reference(width);
-    Array<unsigned char> runs(width, 1);
-    const auto release = [&](DenseMatrix& rows) {  // held entries have no residual
-        for (const HeldEntry& entry : held) rows(entry.row, entry.column) = 0;
-    };
-    // At first `direction` has only the held entries of the solution, whose product is part of B's side.
-    for (const HeldEntry& entry : held) direction(entry.row, entry.column) = solution(entry.row, entry.column);
-    const auto subtract_product = [&] {  // residual = b - product
-        for (std::size_t i = 0; i < residual.values.size(); ++i) residual.values[i] = b.values[i] - product.values[i];
-        release(residual);
-    };
-    if (!held.empty()) detail::multiply(a, direction, product);
-    subtract_product();
-    detail::column_dots(residual, residual, norm);
-    for (std::size_t k = 0; k < width; ++k) {
-        norm[k] = std::sqrt(norm[k]);
-        for (std::size_t i = 0; i < n && norm[k] == 0; ++i)
-            if (inverse[i] > 0) solution(i, k) = direction(i, k);
-    }
-    const auto is_small = [&](std::size_t k) { return std::sqrt(rr[k]) <= options.tolerance * norm[k]; };
-    const auto measure = [&] {  // r r, and r z with z = r / diagonal
-        std::fill(rr.begin(), rr.end(), 0.0);
-        std::fill(rz.begin(), rz.end(), 0.0);
-        for (std::size_t i = 0; i < n; ++i)
-            for (std::size_t k = 0; k < width; ++k) {
-                const double r = residual(i, k);
-                rr[k] += r * r;
-                rz[k] += r * r * inverse[i];
-            }
-    };
-
-    // The residual that the iteration updates drifts from the true one by rounding; a column has converged when the true one is
-    // small. Otherwise the column starts again from there, unless the last start lowered its residual by less than a factor of 2.
-    for (bool first = true;; first = false) {
-        detail::multiply(a, solution, product);
-        subtract_product();
-        measure();
-        bool any = false;
-        for (std::size_t k = 0; k < width; ++k) {
-            runs[k] = !is_small(k) && rz[k] > 0 && (first || rr[k] <= 0.25 * reference[k]);
-            reference[k] = rr[k];
-            any = any || runs[k] != 0;
-        }
-        if (!any || report.iterations >= options.max_iterations) break;
-
-        std::fill(direction.values.begin(), direction.values.end(), 0.0);
-        rz_before = rz;  // the first direction is z itself: its factor below multiplies 0
-        while (any && report.iterations < options.max_iterations) {
-            for (std::size_t i = 0; i < n; ++i)
-                for (std::size_t k = 0; k < width; ++k)
-                    if (runs[k] != 0) direction(i, k) = residual(i, k) * inverse[i] + rz[k] / rz_before[k] * direction(i, k);
-            detail::multiply(a, direction, product);
-            release(product);
-            detail::column_dots(direction, product, steps);
-            for (std::size_t k = 0; k < width; ++k) {
-                if (!(steps[k] > 0)) runs[k] = 0;  // the direction has no energy: a singular matrix, or rounding
-                steps[k] = runs[k] != 0 ? rz[k] / steps[k] : 0.0;
-            }
-            for (std::size_t i = 0; i < n; ++i)
-                for (std::size_t k = 0; k < width; ++k) {
-                    solution(i, k) += steps[k] * direction(i, k);
-                    residual(i, k) -= steps[k] * product(i, k);
-                }
-            rz_before = rz;
-            measure();
-            ++report.iterations;
-            any = false;
-            for (std::size_t k = 0; k < width; ++k) {
-                if (is_small(k) || !(rz[k] > 0)) runs[k] = 0;
-                any = any || runs[k] != 0;
-            }
-        }
-    }
-    for (std::size_t k = 0; k < width; ++k) {
-        if (norm[k] > 0) report.residual = std::max(report.residual, std::sqrt(rr[k]) / norm[k]);
-        report.converged = report.converged && is_small(k);
-    }
-    return report;
+    return detail::PcgRun(a, b, x, options, held).run();
 }
 
 }  // namespace hmesh::kit
