@@ -1,3 +1,4 @@
+#include "hmesh/io/heights/height_glb.hpp"
 #include "hmesh/io/heights/height_models.hpp"
 
 #include <doctest/doctest.h>

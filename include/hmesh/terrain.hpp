@@ -7,6 +7,7 @@
 #ifndef HMESH_TERRAIN_HPP
 #define HMESH_TERRAIN_HPP
 
+#include "hmesh/io/heights/height_glb.hpp"
 #include "hmesh/io/heights/height_models.hpp"
 #include "hmesh/io/heights/height_stl.hpp"
 #include "hmesh/io/heights/quantized_mesh.hpp"

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "hmesh/io/heights/height_glb.hpp"
 #include "hmesh/io/heights/height_models.hpp"
 #include "hmesh/io/heights/height_stl.hpp"
 #include "hmesh/io/heights/quantized_mesh.hpp"

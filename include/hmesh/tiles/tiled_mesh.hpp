@@ -276,48 +276,14 @@ class TiledMesh {
     /// The mesh of a TiledMesh that is_cut(), of the locked vertices of cut_, of patches_, and of the results of patches that are
     /// gone. Unless it `stays` as it is held, what is done with is freed.
     [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
-        results.resize(patches_.size());
-        detail::EnergySum sum;
-        parallel_for_(patches_.size(), [&](std::size_t k) {
-            if (patches_[k]) results[k] = patches_[k]->result();
-        });
-        const detail::Cut& cut = cut_;
-        for (std::size_t k = 0; k < results.size(); ++k) {
-            if (cut.first[k] == cut.first[k + 1]) continue;
-            if (!results[k].faces.empty()) {
-                sum.add(results[k].first_energy, results[k].energy);
-                continue;
-            }
-            results[k] = detail::unchanged(indexed_, cut_, k);
-            sum.leave_out();
-        }
-        Array<std::size_t> first_vertex(results.size() + 1, cut.locked_count), first_face(results.size() + 1, 0);
+        const double energy = take_results(results);
+        Array<std::size_t> first_vertex(results.size() + 1, cut_.locked_count), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();
         }
-        IndexedMesh<C> merged;  // at first of the locked vertices
-        merged.width = indexed_.width;
-        merged.height = indexed_.height;
-        merged.energy = sum.energy(indexed_.energy);
-        merged.locked_count = cut.locked_count;
-        merged.periodic = indexed_.periodic;
-        merged.samples = indexed_.samples;
-        merged.has_fixed_border = indexed_.has_fixed_border;
-        merged.copy_count = indexed_.copy_count;
-        merged.positions.resize(cut.locked_count);
-        merged.colors.resize(cut.locked_count);
-        for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
-            if (cut.owner[v] != detail::Cut::locked) continue;
-            merged.positions[cut.number[v]] = indexed_.positions[v];
-            merged.colors[cut.number[v]] = indexed_.colors[v];
-        }
-        if (merged.periodic != Periodic::none) {
-            merged.roots.resize(first_vertex.back());
-            for (std::size_t v = 0; v < merged.roots.size(); ++v) merged.roots[v] = static_cast<std::uint32_t>(v);
-            for (std::size_t v = 0; v < indexed_.vertex_count(); ++v)  // copies and what they are copies of are locked
-                if (indexed_.roots[v] != v) merged.roots[cut.number[v]] = cut.number[indexed_.roots[v]];
-        }
+        IndexedMesh<C> merged = locked_part(first_vertex.back());
+        merged.energy = energy;
         // Three meshes would be too many for those that fill the memory.
         if (!stays) {
             indexed_ = {};
@@ -328,25 +294,69 @@ class TiledMesh {
         merged.colors.resize(first_vertex.back(), Color<C>::zero());
         merged.dirty.resize(first_vertex.back());
         merged.faces.resize(first_face.back());
-        parallel_for_(results.size(), [&](std::size_t k) {
-            const detail::PatchResult<C>& result = results[k];
-            const auto to = static_cast<std::ptrdiff_t>(first_vertex[k]);
-            std::copy(result.positions.begin(), result.positions.end(), merged.positions.begin() + to);
-            for (std::size_t v = 0; v < result.colors.size(); ++v)
-                for (int c = 0; c < C; ++c)
-                    merged.colors[first_vertex[k] + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
-            std::copy(result.dirty.begin(), result.dirty.end(), merged.dirty.begin() + to);
-            const std::size_t free = result.positions.size();
-            for (std::size_t t = 0; t < result.faces.size(); ++t)
-                for (std::size_t c = 0; c < 3; ++c) {
-                    const std::uint32_t v = result.faces[t][c];
-                    merged.faces[first_face[k] + t][c] =
-                        v < free ? static_cast<std::uint32_t>(first_vertex[k]) + v : cut.number[result.locked[v - free]];
-                }
-        });
+        parallel_for_(results.size(), [&](std::size_t k) { put(results[k], first_vertex[k], first_face[k], merged); });
         for (const detail::PatchResult<C>& result : results)
-            for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut.number[v]] = 1;
+            for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut_.number[v]] = 1;
         return merged;
+    }
+    /// Completes the results by those of patches_ and, of tiles where nothing was done, by what indexed_ has there. Returns the
+    /// energy of the mesh.
+    [[nodiscard]] HMESH_PATCHWISE double take_results(std::vector<detail::PatchResult<C>>& results) {
+        results.resize(patches_.size());
+        parallel_for_(patches_.size(), [&](std::size_t k) {
+            if (patches_[k]) results[k] = patches_[k]->result();
+        });
+        detail::EnergySum sum;
+        for (std::size_t k = 0; k < results.size(); ++k) {
+            if (cut_.first[k] == cut_.first[k + 1]) continue;
+            if (!results[k].faces.empty()) {
+                sum.add(results[k].first_energy, results[k].energy);
+                continue;
+            }
+            results[k] = detail::unchanged(indexed_, cut_, k);
+            sum.leave_out();
+        }
+        return sum.energy(indexed_.energy);
+    }
+    /// A mesh like indexed_ of its locked vertices alone, without faces; roots are those of `count` vertices.
+    [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> locked_part(std::size_t count) const {
+        IndexedMesh<C> out;
+        out.width = indexed_.width;
+        out.height = indexed_.height;
+        out.locked_count = cut_.locked_count;
+        out.periodic = indexed_.periodic;
+        out.samples = indexed_.samples;
+        out.has_fixed_border = indexed_.has_fixed_border;
+        out.copy_count = indexed_.copy_count;
+        out.positions.resize(cut_.locked_count);
+        out.colors.resize(cut_.locked_count);
+        for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
+            if (cut_.owner[v] != detail::Cut::locked) continue;
+            out.positions[cut_.number[v]] = indexed_.positions[v];
+            out.colors[cut_.number[v]] = indexed_.colors[v];
+        }
+        if (out.periodic == Periodic::none) return out;
+        out.roots.resize(count);
+        for (std::size_t v = 0; v < count; ++v) out.roots[v] = static_cast<std::uint32_t>(v);
+        for (std::size_t v = 0; v < indexed_.vertex_count(); ++v)  // copies and what they are copies of are locked
+            if (indexed_.roots[v] != v) out.roots[cut_.number[v]] = cut_.number[indexed_.roots[v]];
+        return out;
+    }
+    /// Puts the vertices and faces of a patch to where its first ones stand in a mesh.
+    HMESH_PATCHWISE void put(const detail::PatchResult<C>& result, std::size_t first_vertex, std::size_t first_face,
+                             IndexedMesh<C>& mesh) const {
+        const auto to = static_cast<std::ptrdiff_t>(first_vertex);
+        std::copy(result.positions.begin(), result.positions.end(), mesh.positions.begin() + to);
+        for (std::size_t v = 0; v < result.colors.size(); ++v)
+            for (int c = 0; c < C; ++c) mesh.colors[first_vertex + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
+        std::copy(result.dirty.begin(), result.dirty.end(), mesh.dirty.begin() + to);
+        const std::size_t free = result.positions.size();
+        for (std::size_t t = 0; t < result.faces.size(); ++t)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const std::uint32_t v = result.faces[t][c];
+                mesh.faces[first_face + t][c] =
+                    v < free ? static_cast<std::uint32_t>(first_vertex) + v : cut_.number[result.locked[v - free]];
+            }
     }
 
     const ImageSource<C>* source_;

@@ -238,6 +238,17 @@ class Relief {
     return options.up == UpAxis::y || (options.up == UpAxis::usual && is_usual);
 }
 
+/// Refuses what no file of a model of heights holds. O(n).
+[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) {
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that all of a .glb is below 4 GiB
+    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
+        !status)
+        return status;
+    if (options.texture != nullptr && options.drape == Drape::none)
+        return {Errc::invalid_argument, "a texture is named, but Drape::none leaves no coordinates to show it by"};
+    return check_relief(mesh, samples, options);
+}
+
 }  // namespace hmesh::detail
 
 #include "hmesh/core/macros/pop.hpp"
