@@ -580,6 +580,15 @@ def test_tiles_of_a_budget_meet_where_their_borders_have_a_tolerance(terrain):
         assert len(west) > 2 and (west == east) == (options != "")
 
 
+def test_last_tiles_that_have_fewer_samples_than_vertices_are_asked_for_get_these(terrain):
+    write("dem.pgm", dems.pgm(ground(42, 22)))
+    report = report_of(terrain, "dem.pgm -o t.ply --vertices 90 --border-tolerance 12 --tiles 20 --effort draft")
+    assert [(t["x"], t["y"], t["vertices"]) for t in report["tiles"]] == [
+        (0, 0, 90), (1, 0, 90), (2, 0, 42), (0, 1, 42), (1, 1, 42), (2, 1, 4)]
+    terrain.fails("a mesh has at most one vertex a pixel (500, limit 441)", "dem.pgm -o u.ply --vertices 500 --tiles 20")
+    terrain.fails("a mesh has at most one vertex a pixel (2000, limit 924)", "dem.pgm -o u.ply --vertices 2000")
+
+
 def test_tiles_of_a_budget_keep_to_one_range_of_heights(terrain):
     write("dem.raw", dems.raw([[1000 if (7919 * x + 104729 * y) % 53 == 0 else 0 for x in range(61)] for y in range(61)]))
     terrain.done(f"dem.raw --size 61x61 -o t.terrain --vertices 200 --border-tolerance 5 --tiles 30 {EXTENT}")

@@ -142,12 +142,13 @@ void add_mesh_options(CLI::App& app, Arguments& out) {
                 return why.empty() && *out.max_error < 0 ? "must be 0 or more" : why;
             });
     CLI::Option* vertices =
-        add(app, "--vertices", "N", "the least squared error with N vertices, in each tile", [&](const std::string& text) {
-            std::int64_t count = 0;
-            std::string why = tool::parse_integer(text, count);
-            out.vertices = count;
-            return why.empty() && count < 4 ? "must be at least 4, the corners" : why;
-        });
+        add(app, "--vertices", "N", "the least squared error with N vertices, in each tile; at most its samples in the last ones",
+            [&](const std::string& text) {
+                std::int64_t count = 0;
+                std::string why = tool::parse_integer(text, count);
+                out.vertices = count;
+                return why.empty() && count < 4 ? "must be at least 4, the corners" : why;
+            });
     CLI::Option* percent = add(app, "--percent", "P", "the same with P vertices for 100 samples", [&](const std::string& text) {
         double value = 0;
         std::string why = tool::parse_positive(text, 100, value);

@@ -1,4 +1,7 @@
 // The method that is given a number of vertices.
+#include <algorithm>
+#include <cstdint>
+
 #include "hmesh/mesh_image.hpp"
 #include "terrain/meshing.hpp"
 
@@ -15,6 +18,13 @@ hmesh::Effort annealed_effort(Effort effort) {
     return hmesh::Effort::normal;
 }
 
+// The last tiles of a row and of a column are what is left, and may have fewer samples than vertices are asked for.
+hmesh::Target target_of(const Arguments& arguments, const Window& window) {
+    if (!arguments.vertices) return hmesh::Target::percent(*arguments.percent);
+    const std::int64_t samples = std::int64_t{window.width} * window.height, side = std::int64_t{arguments.tile} + 1;
+    return hmesh::Target::vertices(samples < side * side ? std::min(samples, *arguments.vertices) : *arguments.vertices);
+}
+
 }  // namespace
 
 hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& window, hmesh::Progress progress,
@@ -22,8 +32,7 @@ hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& windo
     hmesh::Options options;
     options.samples = hmesh::Samples::points;
     options.progress = progress;
-    options.target =
-        arguments.vertices ? hmesh::Target::vertices(*arguments.vertices) : hmesh::Target::percent(*arguments.percent);
+    options.target = target_of(arguments, window);
     hmesh::Annealed recipe;
     recipe.effort = annealed_effort(arguments.effort);
     recipe.border_tolerance = arguments.border_tolerance;

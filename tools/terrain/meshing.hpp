@@ -22,7 +22,8 @@ struct Within {
 [[nodiscard]] hmesh::Result mesh_within(const Arguments& arguments, const Window& window, const Within& within,
                                         hmesh::Progress progress, const hmesh::ParallelFor& parallel_for);
 
-// The least squared error with as many vertices as the arguments say, of a window whose samples all have data.
+// The least squared error with as many vertices as the arguments say, or as a last tile has samples: of a window whose samples
+// all have data.
 [[nodiscard]] hmesh::Result mesh_with_vertices(const Arguments& arguments, const Window& window, hmesh::Progress progress,
                                                const hmesh::ParallelFor& parallel_for);
 
