@@ -6134,7 +6134,7 @@ struct Rect {
 /// your own with the same static members (examples/custom_pixel.cpp):
 ///
 /// - `peak`: the value of full intensity, for PSNR = 10 log10(peak^2 / MSE), and "white" for exporters;
-/// - `lowest`, `highest`: the range of vertex colours;
+/// - `lowest`, `highest`: the range of vertex colours, which end where floats do;
 /// - `is_integer`: whether to_real() yields integers from `lowest` to `highest`, both of magnitude at most 65535: all moments
 ///   are then exact;
 /// - `to_real(T)`: the sample as a double;
@@ -8306,8 +8306,8 @@ class ImageSource {
     [[nodiscard]] int width() const noexcept { return width_; }                                     ///< px
     [[nodiscard]] int height() const noexcept { return height_; }                                   ///< px
     [[nodiscard]] double pixels() const noexcept { return static_cast<double>(width_) * height_; }  ///< number of pixels
-    [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type
-    [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type
+    [[nodiscard]] double low() const noexcept { return low_; }              ///< smallest colour of the pixel type, in a float
+    [[nodiscard]] double high() const noexcept { return high_; }            ///< largest colour of the pixel type, in a float
     [[nodiscard]] Periodic periodic() const noexcept { return periodic_; }  ///< along which axes the image repeats
     [[nodiscard]] Samples samples() const noexcept { return samples_; }     ///< where the samples stand
     /// Whether the lines where the image repeats are edges of its meshes.
@@ -8398,7 +8398,8 @@ class ImageSource {
     };
     HMESH_NEVER_INLINE HMESH_COLD ImageSource(const Pixels& pixels, const ImageView<float, 1>& weights, double unit) noexcept
         : data_(pixels.data), width_(pixels.width), height_(pixels.height), row_stride_(pixels.row_stride), weights_(weights),
-          unit_(unit), low_(pixels.low), high_(pixels.high), peak_(pixels.peak), largest_(pixels.largest),
+          unit_(unit), low_(std::max(pixels.low, PixelTraits<float>::lowest)),
+          high_(std::min(pixels.high, PixelTraits<float>::highest)), peak_(pixels.peak), largest_(pixels.largest),
           weight_scale_(unit, pixels.width, pixels.height), read_(pixels.read), read_integers_(pixels.read_integers) {}
 
     [[nodiscard]] typename MomentTable<C>::Kind kind() const noexcept { return {largest_, low_ < 0, is_weighted()}; }

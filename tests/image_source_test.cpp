@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "hmesh/fit/moment_table.hpp"
@@ -115,6 +116,23 @@ TEST_CASE("tables and pixels are those of the view, for any sample type, stride,
     check_source(hmesh_test::noise<float, 1>(1, 20, 8));
     check_source(hmesh_test::noise<std::uint16_t, 1>(20, 1, 9));
     check_source(hmesh_test::noise<std::uint8_t, 3>(6, 131, 10));  // several bands of rows
+}
+
+// Samples of which floats do not hold all.
+template <>
+struct hmesh::PixelTraits<double> {
+    static constexpr double peak = 1, highest = std::numeric_limits<double>::max(), lowest = -highest;
+    static constexpr bool is_integer = false;
+    static double to_real(double value) noexcept { return value; }
+    static double from_real(double value) noexcept { return value; }
+};
+
+TEST_CASE("colours keep within floats, which meshes hold, though samples could be larger") {
+    const double samples[] = {3e38, -3e38};
+    const ImageSource<1> source(ImageView<double, 1>{samples, 2, 1, 0});
+    CHECK(source.high() == static_cast<double>(std::numeric_limits<float>::max()));
+    CHECK(source.low() == -source.high());
+    CHECK(source.pixel(1, 0)[0] == -3e38);
 }
 
 TEST_CASE("a source can be copied, and sees what becomes of the pixels") {

@@ -57,7 +57,7 @@ struct Rect {
 /// your own with the same static members (examples/custom_pixel.cpp):
 ///
 /// - `peak`: the value of full intensity, for PSNR = 10 log10(peak^2 / MSE), and "white" for exporters;
-/// - `lowest`, `highest`: the range of vertex colours;
+/// - `lowest`, `highest`: the range of vertex colours, which end where floats do;
 /// - `is_integer`: whether to_real() yields integers from `lowest` to `highest`, both of magnitude at most 65535: all moments
 ///   are then exact;
 /// - `to_real(T)`: the sample as a double;
