@@ -499,3 +499,7 @@ def test_levels_with_fewer_vertices_than_their_sides_need_say_so(hmesh):
     tasks = sum(plan(hmesh, "--levels 3", "small.ppm"), [])
     run = hmesh.run(["job", "run", "job", *tasks])
     assert run.returncode == 1 and "the sides of the only tile need" in run.stderr and "take fewer levels by --levels" in run.stderr
+    for tile, folder, advice in [(64, "four", "larger tiles by --tile, or more vertices"), (99, "one", "more vertices")]:
+        looks, shares, *_ = plan(hmesh, f"--vertices 5 --tile {tile}", "small.ppm", folder)
+        run = hmesh.run(["job", "run", folder, *looks, *shares])
+        assert run.returncode == 1 and run.stderr.endswith(f" vertices with those between them, more than 5: take {advice}\n")

@@ -126,12 +126,9 @@ std::string find_shares(const std::vector<Look>& looks, int across, int channels
     std::size_t t = 0;
     while (t + 1 < tolerances.size() && tolerances[t] > 1.4 * std::sqrt(energy / samples)) ++t;
     for (look_at_sides(t); t > 0 && 2 * (sum - again) > vertices; look_at_sides(t)) --t;
-    if (sum > vertices + again) {
-        const bool is_one = looks.size() == 1;
-        return "the sides of " + (is_one ? "the only tile" : std::to_string(looks.size()) + " tiles") + " need " +
-               std::to_string(sum - again) + " vertices, more than " + std::to_string(vertices) + ": take " +
-               (is_one ? "fewer levels by --levels" : "larger tiles by --tile") + ", or more vertices";
-    }
+    if (sum > vertices + again)
+        return "the sides of " + (looks.size() == 1 ? "the only tile" : std::to_string(looks.size()) + " tiles") + " need " +
+               std::to_string(sum - again) + " vertices with those between them, more than " + std::to_string(vertices);
     shares.tolerance = tolerances[t];
     shares.vertices = share_out(curves, least, most, vertices + again);
     return {};

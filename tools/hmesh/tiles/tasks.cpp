@@ -150,8 +150,13 @@ std::string TileWorker::share(int number, Json& facts) {
                 look.trials.push_back({trial[0].get<std::size_t>(), trial[1].get<double>()});
         }
     Shares shares;
-    if (std::string why = find_shares(looks, level.across(), plan_.channels, level.vertices, tolerances, shares); !why.empty())
-        return why;
+    if (const std::string why = find_shares(looks, level.across(), plan_.channels, level.vertices, tolerances, shares);
+        !why.empty()) {
+        const char* const other = looks.size() > 1 ? "larger tiles by --tile, or "
+                                  : number > 0     ? "fewer levels by --levels, or "
+                                                   : "";
+        return why + ": take " + other + "more vertices";
+    }
     facts = {{"tolerance", shares.tolerance}, {"vertices", shares.vertices}};
     return {};
 }
