@@ -1,4 +1,3 @@
-#include "hmesh/io/heights/height_glb.hpp"
 #include "hmesh/io/heights/height_models.hpp"
 
 #include <doctest/doctest.h>
@@ -13,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "hmesh/io/heights/height_glb.hpp"
 #include "test_exports.hpp"
 #include "test_heights.hpp"
 
