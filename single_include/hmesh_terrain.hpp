@@ -1527,6 +1527,7 @@ inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& sa
 #define HMESH_METHODS_BOUNDED_HEIGHT_FIELD_HPP
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -1614,71 +1615,92 @@ struct HeightField {
     }
 };
 
+namespace detail {
+
+/// What a row of samples adds to what is known of a field.
+template <int C>
+struct HeightRow {
+    Rounding rounding, left, right;            ///< of all samples, of the first and of the last
+    std::array<float, C> lowest{}, highest{};  ///< of each channel; lowest > highest: there is none
+    bool has_holes = false, is_bad = false;    ///< samples without data; samples that are not finite, as floats or before
+};
+
+/// Writes row j of a view to a field of its size, whose `data` are as many as its samples where some may have none.
+template <class T, int C>
+[[nodiscard]] HeightRow<C> take_row(const ImageView<T, C>& view, std::size_t j, const std::uint8_t* masked, bool nan_is_no_data,
+                                    HeightField& field) {
+    constexpr float huge = std::numeric_limits<float>::max();
+    const auto width = static_cast<std::size_t>(field.width), rows = static_cast<std::size_t>(field.height);
+    HeightRow<C> row;
+    row.lowest.fill(huge), row.highest.fill(-huge);
+    const T* from = view.row(static_cast<int>(j));
+    for (std::size_t i = 0; i < width; ++i, from += C) {
+        bool has_data = masked == nullptr || masked[i] != 0;
+        double value[std::size_t{C}];
+        for (int c = 0; c < C; ++c) {
+            value[c] = PixelTraits<T>::to_real(from[c]);
+            if (nan_is_no_data && !is_finite(value[c])) has_data = false;
+        }
+        if (!field.data.empty()) field.data[j * width + i] = has_data ? 1 : 0;
+        row.has_holes = row.has_holes || !has_data;
+        for (std::size_t c = 0; c < C; ++c) {
+            const auto rounded = has_data ? static_cast<float>(value[c]) : 0.0F;
+            field.values[(c * rows + j) * width + i] = rounded;
+            if (!has_data) continue;
+            if (!is_finite(value[c]) || !is_finite(rounded)) {
+                row.is_bad = true;
+                continue;
+            }
+            row.rounding.add(value[c], rounded);
+            if (i == 0) row.left.add(value[c], rounded);
+            if (i + 1 == width) row.right.add(value[c], rounded);
+            row.lowest[c] = std::min(row.lowest[c], rounded);
+            row.highest[c] = std::max(row.highest[c], rounded);
+        }
+    }
+    return row;
+}
+
+}  // namespace detail
+
 /// The samples of a view, which check() must accept. `mask`: of the view's size, 0 for no data; or empty. `nan_is_no_data`:
 /// whether a NaN in any channel means that a sample has no data.
 template <class T, int C>
 [[nodiscard]] HeightField height_field(const ImageView<T, C>& view, Samples samples, const ImageView<std::uint8_t, 1>& mask,
                                        bool nan_is_no_data, const ParallelFor& parallel_for) {
     static_assert(C <= max_bounded_channels, "a bounded mesh has 1 to 4 channels");
-    constexpr float huge = std::numeric_limits<float>::max();
     HeightField field;
     field.width = view.width;
     field.height = view.height;
     field.channels = C;
     field.samples = samples;
-    const auto width = static_cast<std::size_t>(view.width), rows = static_cast<std::size_t>(view.height);
-    field.values.resize(width * rows * C + 16);
-    const bool has_mask = mask.data != nullptr || (nan_is_no_data && !PixelTraits<T>::is_integer);
-    if (has_mask) field.data.resize(width * rows);
-    Array<Rounding> rounding(rows), left(rows), right(rows);
-    Array<float> lowest(rows * C, huge), highest(rows * C, -huge);
-    Array<unsigned char> holes(rows, 0), bad(rows, 0);
-    for_each_chunk(parallel_for, rows, 32, [&](std::size_t begin, std::size_t end) {
+    const auto width = static_cast<std::size_t>(view.width), count = static_cast<std::size_t>(view.height);
+    field.values.resize(width * count * C + 16);
+    nan_is_no_data = nan_is_no_data && !PixelTraits<T>::is_integer;
+    if (mask.data != nullptr || nan_is_no_data) field.data.resize(width * count);
+    Array<detail::HeightRow<C>> rows(count);
+    for_each_chunk(parallel_for, count, 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t j = begin; j < end; ++j) {
-            const T* from = view.row(static_cast<int>(j));
-            const std::uint8_t* masked = mask.data != nullptr ? mask.row(static_cast<int>(j)) : nullptr;
-            for (std::size_t i = 0; i < width; ++i, from += C) {
-                bool has_data = masked == nullptr || masked[i] != 0;
-                double value[std::size_t{C}];
-                for (int c = 0; c < C; ++c) {
-                    value[c] = PixelTraits<T>::to_real(from[c]);
-                    if (has_mask && nan_is_no_data && !is_finite(value[c])) has_data = false;
-                }
-                if (has_mask) field.data[j * width + i] = has_data ? 1 : 0;
-                if (!has_data) holes[j] = 1;
-                for (std::size_t c = 0; c < C; ++c) {
-                    const auto rounded = has_data ? static_cast<float>(value[c]) : 0.0F;
-                    field.values[(c * rows + j) * width + i] = rounded;
-                    if (!has_data) continue;
-                    if (!is_finite(value[c]) || !is_finite(rounded)) {
-                        bad[j] = 1;
-                        continue;
-                    }
-                    rounding[j].add(value[c], rounded);
-                    if (i == 0) left[j].add(value[c], rounded);
-                    if (i + 1 == width) right[j].add(value[c], rounded);
-                    lowest[j * C + c] = std::min(lowest[j * C + c], rounded);
-                    highest[j * C + c] = std::max(highest[j * C + c], rounded);
-                }
-            }
+            const std::uint8_t* const masked = mask.data != nullptr ? mask.row(static_cast<int>(j)) : nullptr;
+            rows[j] = detail::take_row(view, j, masked, nan_is_no_data, field);
         }
     });
     bool has_holes = false;
-    for (std::size_t j = 0; j < rows; ++j) {
-        field.rounding.add(rounding[j]);
-        field.rounding_along[left_side].add(left[j]);
-        field.rounding_along[right_side].add(right[j]);
-        has_holes = has_holes || holes[j] != 0;
-        if (bad[j] != 0 && field.bad_row < 0) field.bad_row = static_cast<int>(j);
+    for (std::size_t j = 0; j < count; ++j) {
+        field.rounding.add(rows[j].rounding);
+        field.rounding_along[left_side].add(rows[j].left);
+        field.rounding_along[right_side].add(rows[j].right);
+        has_holes = has_holes || rows[j].has_holes;
+        if (rows[j].is_bad && field.bad_row < 0) field.bad_row = static_cast<int>(j);
     }
-    field.rounding_along[top_side] = rounding[0];
-    field.rounding_along[bottom_side] = rounding[rows - 1];
+    field.rounding_along[top_side] = rows[0].rounding;
+    field.rounding_along[bottom_side] = rows[count - 1].rounding;
     if (!has_holes) field.data = {};
     for (std::size_t c = 0; c < C; ++c) {
-        float low = huge, high = -huge;
-        for (std::size_t j = 0; j < rows; ++j) {
-            low = std::min(low, lowest[j * C + c]);
-            high = std::max(high, highest[j * C + c]);
+        float low = rows[0].lowest[c], high = rows[0].highest[c];
+        for (const detail::HeightRow<C>& row : rows) {
+            low = std::min(low, row.lowest[c]);
+            high = std::max(high, row.highest[c]);
         }
         if (low <= high) field.lowest[c] = low, field.highest[c] = high;
     }
