@@ -689,6 +689,49 @@ class NestedColors {
 
 namespace detail {
 
+/// Levels whose vertices have the order that they share: level k has the first counts[k].
+template <int C>
+struct NestedLevels {
+    kit::IndexedMesh<C> vertices;              ///< without faces of its own
+    std::vector<std::vector<Triangle>> faces;  ///< of each level, the finest first
+    kit::Array<std::size_t> counts;
+};
+/// Orders the vertices of the finest mesh as its levels ask for.
+template <int C>
+[[nodiscard]] HMESH_COLD NestedLevels<C> nested(const kit::IndexedMesh<C>& finest,
+                                                std::vector<kit::detail::ThinnedLevel> levels) {
+    const kit::Array<std::uint32_t> numbers = kit::detail::nested_numbers(levels);
+    NestedLevels<C> out;
+    out.vertices = finest;
+    for (std::size_t v = 0; v < numbers.size(); ++v) {
+        out.vertices.positions[numbers[v]] = finest.positions[v];
+        out.vertices.colors[numbers[v]] = finest.colors[v];
+    }
+    for (kit::detail::ThinnedLevel& level : levels) {
+        for (Triangle& face : level.faces)
+            for (std::uint32_t& v : face) v = numbers[v];
+        out.counts.push_back(level.vertices.size());
+        out.faces.push_back(std::move(level.faces));
+    }
+    return out;
+}
+
+/// Says of each level how far it is off the image.
+template <int C>
+HMESH_COLD void tell_errors(const kit::ImageSource<C>& source, double samples, const kit::Array<double>& energies,
+                            const ParallelFor& parallel_for, ProgressiveMesh& out) {
+    for (std::size_t k = 0; k < out.levels.size(); ++k) {
+        ProgressiveLevel& level = out.levels[k];
+        level.energy = energies[k];
+        if (!source.has_exact_sums(source.width())) {
+            Mesh drawn = out.mesh;
+            drawn.faces = level.faces;
+            level.energy = kit::rendered_errors(drawn, source, parallel_for).energy;
+        }
+        level.psnr = kit::psnr_of_energy(level.energy, samples, source.peak());
+    }
+}
+
 /// progressive_mesh() of an image that passed all checks.
 template <int C>
 HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Mesh& finest, const Options& options,
@@ -717,40 +760,19 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
         return;
     }
 
-    const kit::Array<std::uint32_t> numbers = kit::detail::nested_numbers(levels);
-    kit::IndexedMesh<C> nested = start;
-    for (std::size_t v = 0; v < numbers.size(); ++v) {
-        nested.positions[numbers[v]] = start.positions[v];
-        nested.colors[numbers[v]] = start.colors[v];
-    }
-    std::vector<std::vector<Triangle>> faces;
-    kit::Array<std::size_t> counts;
-    for (kit::detail::ThinnedLevel& level : levels) {
-        for (Triangle& face : level.faces)
-            for (std::uint32_t& v : face) v = numbers[v];
-        counts.push_back(level.vertices.size());
-        faces.push_back(std::move(level.faces));
-    }
-    kit::detail::NestedColors<C> fit(table, source, options.limits, nested.positions, faces, counts, std::move(nested.colors),
-                                     parallel_for);
+    NestedLevels<C> all = nested(start, std::move(levels));
+    kit::detail::NestedColors<C> fit(table, source, options.limits, all.vertices.positions, all.faces, all.counts,
+                                     std::move(all.vertices.colors), parallel_for);
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
     for (int round = 0; round < 3; ++round)
         fit.fit({source.low(), source.high(), round < 2 ? 0 : grid}, nested_options.coarser_weight);
     const kit::Array<double> energies = fit.energies();
-    nested.colors = fit.colors();
-    nested.faces = faces.front();
-    out.mesh = kit::to_mesh(nested, source.peak());
+    all.vertices.colors = fit.colors();
+    all.vertices.faces = all.faces.front();
+    out.mesh = kit::to_mesh(all.vertices, source.peak());
     out.mesh.premultiplied = options.premultiplied;
-    for (std::size_t k = 0; k < faces.size(); ++k) out.levels.push_back({counts[k], std::move(faces[k]), energies[k], 0});
-    for (std::size_t k = 0; k < out.levels.size(); ++k) {
-        ProgressiveLevel& level = out.levels[k];
-        if (!source.has_exact_sums(source.width())) {
-            Mesh drawn = out.mesh;
-            drawn.faces = level.faces;
-            level.energy = kit::rendered_errors(drawn, source, parallel_for).energy;
-        }
-        level.psnr = kit::psnr_of_energy(level.energy, samples, source.peak());
-    }
+    for (std::size_t k = 0; k < all.faces.size(); ++k) out.levels.push_back({all.counts[k], std::move(all.faces[k]), 0, 0});
+    tell_errors(source, samples, energies, parallel_for, out);
     progress.end(start.vertex_count(), out.levels.front().energy);
     if (!progress.stopped()) return;
     out = ProgressiveMesh();

@@ -1286,6 +1286,91 @@ inline void faces_around(const HalfedgeMesh& topology, Face f, Array<Face>& face
         }
 }
 
+/// foot_sums() by foot points on lifted faces.
+template <int C>
+class FootSums {
+  public:
+    /// Of a mesh that outlives this.
+    FootSums(const ImageMesh<C>& mesh, double color_scale)
+        : mesh_(&mesh), topology_(&mesh.topology()), color_scale_(color_scale), corners_(2 * mesh.topology().edge_slots()) {
+        clip_.sides = mesh.table().far_sides();
+    }
+
+    /// Each pixel's foot point is on the face that it lies in.
+    void add_own_faces(const ParallelFor& parallel_for) {  // faces write to their own corners only
+        for_each_chunk(parallel_for, topology_->face_slots(), 256, [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                const Face f(k);
+                if (topology_->is_deleted(f)) continue;
+                const LiftedFace<C> face = lift(*mesh_, f, color_scale_);
+                CornerSums<C> a, b, c;
+                for_each_pixel(f, [&](const LiftedPoint<C>& pixel, const Color<C>& image, double weight) {
+                    double distance2 = 0;
+                    add_pixel(face.foot(pixel, distance2), weight, pixel.position, image, a, b, c);
+                });
+                const Sums to = sums_of(f);
+                *to.a = a, *to.b = b, *to.c = c;
+            }
+        });
+    }
+    /// Each pixel's foot point is on the nearest of that face and those around it. Ends where mesh.keep_going() says stop.
+    void add_rings() {
+        Array<Face> faces;
+        std::vector<LiftedFace<C>> lifted;
+        for (const Face f : topology_->faces()) {
+            if (!mesh_->keep_going()) break;
+            faces_around(*topology_, f, faces);
+            lifted.clear();
+            for (const Face g : faces) lifted.push_back(lift(*mesh_, g, color_scale_));
+            for_each_pixel(f, [&](const LiftedPoint<C>& pixel, const Color<C>& image, double weight) {
+                double lowest = std::numeric_limits<double>::max();
+                Barycentric best;
+                std::size_t nearest = 0;
+                for (std::size_t k = 0; k < faces.size(); ++k) {
+                    double distance2 = 0;
+                    const Barycentric w = lifted[k].foot(pixel, distance2);
+                    if (!(distance2 < lowest)) continue;
+                    lowest = distance2;
+                    best = w;
+                    nearest = k;
+                }
+                const Sums to = sums_of(faces[nearest]);
+                add_pixel(best, weight, pixel.position, image, *to.a, *to.b, *to.c);
+            });
+        }
+    }
+    /// The sums, which are given up.
+    [[nodiscard]] Array<CornerSums<C>> take() noexcept { return std::move(corners_); }
+
+  private:
+    struct Sums {
+        CornerSums<C>*a, *b, *c;
+    };
+    [[nodiscard]] Sums sums_of(Face f) noexcept {
+        const Halfedge a = topology_->halfedge(f), b = topology_->next(a), c = topology_->next(b);
+        return {&corners_[a.index()], &corners_[b.index()], &corners_[c.index()]};
+    }
+    /// Calls body(the pixel lifted, its colour, its weight) for the pixels of a face.
+    template <class Body>
+    void for_each_pixel(Face f, Body&& body) const {
+        const MomentTable<C>& table = mesh_->table();
+        const auto v = topology_->vertices(f);
+        for_each_span(mesh_->position(v[0]), mesh_->position(v[1]), mesh_->position(v[2]), clip_, [&](int j, int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                Color<C> image;
+                table.pixel(i, j, image);
+                body(LiftedPoint<C>{{i + 0.5, j + 0.5}, image * color_scale_}, image, table.weight(i, j));
+            }
+        });
+    }
+
+    const ImageMesh<C>* mesh_;
+    const HalfedgeMesh* topology_;
+    double color_scale_;
+    ClipRect clip_;
+    Array<CornerSums<C>> corners_;  ///< by half-edge
+};
+
 }  // namespace detail
 
 /// The corner sums of the K whose columns are the foot points of the pixels, indexed as those of corner_sums(): with them
@@ -1299,70 +1384,10 @@ template <int C>
 [[nodiscard]] Array<CornerSums<C>> foot_sums(const ImageMesh<C>& mesh, FootSearch search, double color_scale,
                                              const ParallelFor& parallel_for = {}) {
     if (search == FootSearch::plane) return corner_sums(mesh, parallel_for);
-    const HalfedgeMesh& topology = mesh.topology();
-    const MomentTable<C>& table = mesh.table();
-    Array<CornerSums<C>> corners(2 * topology.edge_slots());
-    struct Sums {
-        CornerSums<C>*a, *b, *c;
-    };
-    const auto sums_of = [&](Face f) -> Sums {
-        const Halfedge a = topology.halfedge(f), b = topology.next(a), c = topology.next(b);
-        return {&corners[a.index()], &corners[b.index()], &corners[c.index()]};
-    };
-    ClipRect clip;
-    clip.sides = table.far_sides();
-    const auto for_each_pixel = [&](Face f, auto&& body) {
-        const auto v = topology.vertices(f);
-        for_each_span(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2]), clip, [&](int j, int begin, int end) {
-            for (int i = begin; i < end; ++i) {
-                Color<C> image;
-                table.pixel(i, j, image);
-                body(Point{i + 0.5, j + 0.5}, image, table.weight(i, j));
-            }
-        });
-    };
-    if (search == FootSearch::own_face) {  // faces write to their own corners only
-        for_each_chunk(parallel_for, topology.face_slots(), 256, [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) {
-                const Face f(k);
-                if (topology.is_deleted(f)) continue;
-                const LiftedFace<C> face = detail::lift(mesh, f, color_scale);
-                CornerSums<C> a, b, c;
-                for_each_pixel(f, [&](Point center, const Color<C>& image, double weight) {
-                    double distance2 = 0;
-                    detail::add_pixel(face.foot({center, image * color_scale}, distance2), weight, center, image, a, b, c);
-                });
-                const Sums to = sums_of(f);
-                *to.a = a, *to.b = b, *to.c = c;
-            }
-        });
-        return corners;
-    }
-    Array<Face> faces;
-    std::vector<LiftedFace<C>> lifted;
-    for (const Face f : topology.faces()) {
-        if (!mesh.keep_going()) break;
-        detail::faces_around(topology, f, faces);
-        lifted.clear();
-        for (const Face g : faces) lifted.push_back(detail::lift(mesh, g, color_scale));
-        for_each_pixel(f, [&](Point center, const Color<C>& image, double weight) {
-            const LiftedPoint<C> pixel{center, image * color_scale};
-            double lowest = std::numeric_limits<double>::max();
-            Barycentric best;
-            std::size_t nearest = 0;
-            for (std::size_t k = 0; k < faces.size(); ++k) {
-                double distance2 = 0;
-                const Barycentric w = lifted[k].foot(pixel, distance2);
-                if (!(distance2 < lowest)) continue;
-                lowest = distance2;
-                best = w;
-                nearest = k;
-            }
-            const Sums to = sums_of(faces[nearest]);
-            detail::add_pixel(best, weight, center, image, *to.a, *to.b, *to.c);
-        });
-    }
-    return corners;
+    detail::FootSums<C> sums(mesh, color_scale);
+    if (search == FootSearch::own_face) sums.add_own_faces(parallel_for);
+    else sums.add_rings();
+    return sums.take();
 }
 
 }  // namespace hmesh::kit
