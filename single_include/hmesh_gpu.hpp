@@ -1428,18 +1428,20 @@ struct Contours {
 
 #endif  // HMESH_OUTLINE_CONTOUR_HPP
 
-// ---- hmesh/outline/buckets.hpp
+// ---- hmesh/outline/grid_geometry.hpp
 
 /// \file
-/// Buckets: a grid of squares that finds sides of polygons, and points, by where they are.
-#ifndef HMESH_OUTLINE_BUCKETS_HPP
-#define HMESH_OUTLINE_BUCKETS_HPP
+/// Geometry of the grid of 1/256 px: what is asked of its points, segments and triangles, with exact answers, hulls, and which of
+/// its points is the nearest to one between them.
+#ifndef HMESH_OUTLINE_GRID_GEOMETRY_HPP
+#define HMESH_OUTLINE_GRID_GEOMETRY_HPP
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <limits>
+#include <optional>
 
 namespace hmesh::kit {
 
@@ -1458,7 +1460,103 @@ struct GridBox {
         top = std::min(top, p.y), bottom = std::max(bottom, p.y);
         return *this;
     }
+    /// Whether a point is in it.
+    [[nodiscard]] bool has(GridPoint p) const noexcept { return p.x >= left && p.x <= right && p.y >= top && p.y <= bottom; }
 };
+
+/// How far p is from o on in the direction from a to b, times the length of that. Exact.
+[[nodiscard]] constexpr std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
+}
+
+/// Twice the signed area of the quadrilateral (a, b, c, d) in square units, exact.
+[[nodiscard]] constexpr std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    return orient(a, b, c) + orient(a, c, d);
+}
+
+/// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
+[[nodiscard]] inline bool do_segments_meet(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
+        std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
+        return false;
+    const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
+    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
+}
+
+/// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
+[[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
+    const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
+    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
+}
+
+/// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
+/// but its longest side.
+[[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
+    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
+    if (ab == 0 && bc == 0 && ca == 0) return GridBox(a).add(b).add(c).has(p);
+    return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
+}
+
+/// The convex hull of points, clockwise on the screen, without corners of 180 degrees (Andrew's monotone chain). O(n log n).
+[[nodiscard]] inline Loop convex_hull(Loop points) {
+    std::sort(points.begin(), points.end(), [](GridPoint a, GridPoint b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    if (points.size() < 3) return points;
+    Loop hull;
+    for (int pass = 0; pass < 2; ++pass) {
+        const std::size_t start = hull.size();
+        for (const GridPoint p : points) {
+            while (hull.size() >= start + 2 && orient(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+            hull.push_back(p);
+        }
+        hull.pop_back();
+        std::reverse(points.begin(), points.end());
+    }
+    return hull;
+}
+
+/// A point between those of the grid, in the same units.
+struct RealPoint {
+    double x = 0,  ///< from the left
+        y = 0;     ///< from the top
+};
+
+/// Of the 16 points of the grid around p that are within a box, the one of the least cost that is good, if any is. Of several the
+/// first, row after row.
+template <class IsGood, class Cost>
+[[nodiscard]] std::optional<GridPoint> nearest_point(RealPoint p, const GridBox& within, IsGood&& is_good, Cost&& cost) {
+    // What is farther out has no such point, and may have no place among whole numbers.
+    if (!(p.x > within.left - 2.0 && p.x < within.right + 2.0 && p.y > within.top - 2.0 && p.y < within.bottom + 2.0)) return {};
+    const auto x = static_cast<std::int32_t>(std::floor(p.x)), y = static_cast<std::int32_t>(std::floor(p.y));
+    std::optional<GridPoint> best;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::int32_t j = y - 1; j <= y + 2; ++j)
+        for (std::int32_t i = x - 1; i <= x + 2; ++i) {
+            const GridPoint candidate{i, j};
+            if (!within.has(candidate) || !is_good(candidate)) continue;
+            if (const double its_cost = cost(candidate); its_cost < least) least = its_cost, best = candidate;
+        }
+    return best;
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_GRID_GEOMETRY_HPP
+
+// ---- hmesh/outline/buckets.hpp
+
+/// \file
+/// Buckets: a grid of squares that finds sides of polygons, and points, by where they are.
+#ifndef HMESH_OUTLINE_BUCKETS_HPP
+#define HMESH_OUTLINE_BUCKETS_HPP
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh::kit {
 
 /// Numbers of sides or points in the squares that they touch. Adding and removing takes as long as a side is in squares.
 class Buckets {
@@ -1527,169 +1625,218 @@ class Buckets {
     std::vector<std::vector<std::uint32_t>> squares_;
 };
 
-/// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
-[[nodiscard]] inline bool do_segments_meet(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
-        std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
-        return false;
-    const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
-    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
-}
-
-/// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
-[[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
-    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
-}
-
-/// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
-/// but its longest side.
-[[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
-    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
-    if (ab == 0 && bc == 0 && ca == 0) {
-        GridBox box(a);
-        box.add(b).add(c);
-        return p.x >= box.left && p.x <= box.right && p.y >= box.top && p.y <= box.bottom;
-    }
-    return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
-}
-
 }  // namespace hmesh::kit
 
 #endif  // HMESH_OUTLINE_BUCKETS_HPP
 
-// ---- hmesh/outline/covering.hpp
+// ---- hmesh/outline/polygons.hpp
 
 /// \file
-/// Covering: polygons with few corners around contours, of nearly the least area.
+/// Polygons that lose corners, side by side with the contours that they cover: linked corners, and what keeps track of them.
 ///
-/// Corners are removed one by one, the cheapest first by the area that it adds, and each removal only ever adds area:
-///
-/// - a corner that is not convex: the side between its neighbours takes its place;
-/// - a side between two convex corners: its neighbours are made longer until they meet (the two-dimensional case of the
-///   progressive hulls of Sander et al., "Silhouette clipping", 2000);
-/// - a hole with all that is in it.
-///
-/// Whatever lies wholly in the area added, such as an island in a bay, goes with it. Then sides are turned around what they touch
-/// as long as that leaves less area: of least area, a side touches in its middle or in two points. All tests are made in whole
-/// numbers, so that contours stay inside and sides never meet, however positions were rounded. Cost: removals some 2 us for each
-/// corner of the contours, and turning as much again for each time that all sides are looked at.
-#ifndef HMESH_OUTLINE_COVERING_HPP
-#define HMESH_OUTLINE_COVERING_HPP
+/// It is known of each side which part of the contour it runs along, and of each place which sides of polygons and of contours
+/// are there. Whether a change leaves contours inside and sides apart is for those to ask who make it, with what is told here.
+/// Cost: some 100 bytes for each corner of the contours; a change takes as long as its sides are in squares of the buckets.
+#ifndef HMESH_OUTLINE_POLYGONS_HPP
+#define HMESH_OUTLINE_POLYGONS_HPP
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <queue>
 #include <utility>
 #include <vector>
 
 namespace hmesh::kit {
 
-/// The convex hull of points, clockwise on the screen, without corners of 180 degrees (Andrew's monotone chain). O(n log n).
-[[nodiscard]] inline Loop convex_hull(Loop points) {
-    std::sort(points.begin(), points.end(), [](GridPoint a, GridPoint b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
-    points.erase(std::unique(points.begin(), points.end()), points.end());
-    if (points.size() < 3) return points;
-    Loop hull;
-    for (int pass = 0; pass < 2; ++pass) {
-        const std::size_t start = hull.size();
-        for (const GridPoint p : points) {
-            while (hull.size() >= start + 2 && orient(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
-            hull.push_back(p);
-        }
-        hull.pop_back();
-        std::reverse(points.begin(), points.end());
-    }
-    return hull;
-}
+/// A side, from b to c, and its neighbours: four corners in a row. In a triangle the last is the first.
+struct ThreeSides {
+    std::uint32_t before,  ///< the corner at a
+        from,              ///< that at b
+        to,                ///< that at c
+        last;              ///< that at d
+    GridPoint a,           ///< where the side before begins
+        b,                 ///< where this one does
+        c,                 ///< where it ends
+        d;                 ///< where the side behind does
+};
 
-/// Polygons that begin as contours and lose corners.
-class Covering {
+/// Polygons that begin as contours, each a ring of corners. A side has the number of the corner at which it begins.
+///
+/// What is always so: next() and previous() of the corners that are left are each other's inverse and stay within a loop; sides
+/// along a loop run along all of its contour, one part after another, each from its first to its last corner; the buckets hold
+/// just the sides that there are; corners and areas are the sums of those of the loops.
+class Polygons {
   public:
+    /// Stands for no corner.
+    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+
+    /// The end of a side that there may be.
+    struct End {
+        std::uint32_t corner;  ///< its number
+        GridPoint at;          ///< where it would be
+    };
+
     /// Of contours_of() an image of this size in px, or polygons like them.
-    Covering(const std::vector<Loop>& contours, int width, int height)
-        : right_(width * units_per_px), bottom_(height * units_per_px), sides_(box_of(contours), count(contours) / 2),
-          touched_(box_of(contours), count(contours) / 2) {
+    Polygons(const std::vector<Loop>& contours, int width, int height)
+        : image_(GridBox({0, 0}).add({width * units_per_px, height * units_per_px})),
+          sides_(box_of(contours), count(contours) / 2), touched_(box_of(contours), count(contours) / 2) {
         for (const Loop& contour : contours) {
             const auto first = static_cast<std::uint32_t>(at_.size()), size = static_cast<std::uint32_t>(contour.size());
             for (std::uint32_t i = 0; i < size; ++i) {
                 at_.push_back(contour[i]), contour_.push_back(contour[i]);
                 next_.push_back(first + (i + 1) % size);
                 previous_.push_back(first + (i + size - 1) % size);
-                loop_of_.push_back(static_cast<std::uint32_t>(loops_.size()));
+                loop_of_.push_back(static_cast<std::uint32_t>(parts_.size()));
                 from_.push_back(first + i), to_.push_back(first + (i + 1) % size);
             }
-            loops_.push_back({first, size, first, size, kit::double_area(contour)});
-            double_area_ += loops_.back().double_area;
+            parts_.push_back({first, size, first, size, kit::double_area(contour)});
+            double_area_ += parts_.back().double_area;
             corners_ += size;
         }
-        stamp_.assign(at_.size(), 0);
         for (std::uint32_t v = 0; v < at_.size(); ++v) {
             sides_.add(v, at_[v], at_[next_[v]]);
             touched_.add(v, at_[v], at_[next_[v]]);
         }
     }
 
-    [[nodiscard]] std::size_t corners() const noexcept { return corners_; }  ///< of all polygons that are left
-    /// The area of the polygons, px^2.
-    [[nodiscard]] double area() const noexcept { return static_cast<double>(double_area_) * px2; }
-
-    /// Removes corners until at most `count` are left, the cheapest first, then turns sides. Whether any could be removed: there
-    /// may be more left where none can go.
-    bool remove_to(std::size_t count) {
-        const std::size_t before = corners_;
-        offers_ = {};
-        for (std::uint32_t v = 0; v < at_.size(); ++v)
-            if (next_[v] != none) offer(v);
-        remove_cheapest(count);
-        turn_sides();
-        return corners_ != before;
-    }
-
+    /// The image, in which all corners are to stay.
+    [[nodiscard]] const GridBox& image() const noexcept { return image_; }
+    /// How many corners are left of all polygons.
+    [[nodiscard]] std::size_t corners() const noexcept { return corners_; }
+    /// Twice the area of all, in square units.
+    [[nodiscard]] std::int64_t double_area() const noexcept { return double_area_; }
     /// The polygons that are left: outer borders and holes.
     [[nodiscard]] std::vector<Loop> loops() const {
         std::vector<Loop> out;
-        for (const Part& part : loops_)
-            if (part.size != 0) out.push_back(corners_of(part));
+        for (std::uint32_t loop = 0; loop < parts_.size(); ++loop)
+            if (size_of(loop) != 0) out.push_back(corners_of(loop));
         return out;
     }
 
-  private:
-    static constexpr double px2 = 0.5 / (units_per_px * units_per_px);  // of twice the area in square units
-    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
+    // --- corners ---
+    /// All corners have numbers below this.
+    [[nodiscard]] std::uint32_t numbers() const noexcept { return static_cast<std::uint32_t>(at_.size()); }
+    /// Whether a corner is left.
+    [[nodiscard]] bool has(std::uint32_t v) const noexcept { return next_[v] != none; }
+    /// Where it is.
+    [[nodiscard]] GridPoint at(std::uint32_t v) const noexcept { return at_[v]; }
+    /// The corner behind it.
+    [[nodiscard]] std::uint32_t next(std::uint32_t v) const noexcept { return next_[v]; }
+    /// The corner before it.
+    [[nodiscard]] std::uint32_t previous(std::uint32_t v) const noexcept { return previous_[v]; }
+    /// The loop that it belongs to, if it is gone, too.
+    [[nodiscard]] std::uint32_t loop_of(std::uint32_t v) const noexcept { return loop_of_[v]; }
+    /// The side from a corner on and its neighbours.
+    [[nodiscard]] ThreeSides three_sides(std::uint32_t v) const noexcept {
+        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
+        return {before, v, after, last, at_[before], at_[v], at_[after], at_[last]};
+    }
 
+    // --- loops ---
+    /// The number of a loop's corners; 0: it is gone.
+    [[nodiscard]] std::uint32_t size_of(std::uint32_t loop) const noexcept { return parts_[loop].size; }
+    /// Twice the area of a loop, in square units.
+    [[nodiscard]] std::int64_t double_area_of(std::uint32_t loop) const noexcept { return parts_[loop].double_area; }
+    /// Whether it is a hole.
+    [[nodiscard]] bool is_hole(std::uint32_t loop) const noexcept { return parts_[loop].double_area <= 0; }
+    /// Where its corners are, in order.
+    [[nodiscard]] Loop corners_of(std::uint32_t loop) const {
+        Loop out;
+        for (std::uint32_t v = parts_[loop].some; out.size() < parts_[loop].size; v = next_[v]) out.push_back(at_[v]);
+        return out;
+    }
+
+    // --- what is where ---
+    /// Calls body(side) for all sides that may touch the box, some of them more than once, until it returns false. Whether it
+    /// never did.
+    template <class Body>
+    bool visit_sides(const GridBox& box, Body&& body) const {
+        return sides_.visit(box, body);
+    }
+    /// Likewise body(p, q) for the sides of the contours, from p to q.
+    template <class Body>
+    bool visit_contours(const GridBox& box, Body&& body) const {
+        return touched_.visit(box, [&](std::uint32_t i) { return body(contour_[i], contour_[contour_next(i)]); });
+    }
+    /// Calls body(p) for the corners of the contour along a side, its ends included.
+    template <class Body>
+    void along_contour(std::uint32_t side, Body&& body) const {
+        walk_contour(side, [&](std::uint32_t i) { body(contour_[i]); });
+    }
+    /// Whether a side from a to b would meet no other than at its ends. Sides `gone`, or none, do not count.
+    [[nodiscard]] bool is_side_free(End a, End b, const std::array<std::uint32_t, 3>& gone) const {
+        const GridPoint p = a.at, q = b.at;
+        if (p == q) return false;
+        return sides_.visit(GridBox(p).add(q), [&](std::uint32_t s) {
+            if (std::find(gone.begin(), gone.end(), s) != gone.end()) return true;
+            const std::uint32_t t = next_[s];
+            const bool begins = s == a.corner || s == b.corner, ends = t == a.corner || t == b.corner;
+            if (begins && ends) return false;
+            if (!begins && !ends) return !do_segments_meet(p, q, at_[s], at_[t]);
+            // They share an end, and must not run along each other.
+            const GridPoint shared = (begins ? s : t) == a.corner ? p : q, own = shared == p ? q : p, other = at_[begins ? t : s];
+            return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
+        });
+    }
+
+    // --- changes ---
+    /// Removes a loop.
+    void remove_loop(std::uint32_t loop) {
+        std::uint32_t v = parts_[loop].some;
+        for (std::uint32_t i = 0; i < parts_[loop].size; ++i) {
+            sides_.remove(v, at_[v], at_[next_[v]]);
+            v = std::exchange(next_[v], none);
+        }
+        corners_ -= parts_[loop].size;
+        parts_[loop].size = 0;
+        grow(loop, -parts_[loop].double_area);
+    }
+    /// Removes a corner of a loop of more than three: the side between its neighbours takes its place.
+    void remove_corner(std::uint32_t v) {
+        const std::uint32_t before = previous_[v], after = next_[v];
+        sides_.remove(before, at_[before], at_[v]);
+        sides_.remove(v, at_[v], at_[after]);
+        grow(loop_of_[v], -orient(at_[before], at_[v], at_[after]));
+        take_out(v, before);
+        to_[before] = to_[v];
+        sides_.add(before, at_[before], at_[after]);
+    }
+    /// Removes the side from a corner on, of a loop of more than three: its neighbours meet in this point, at which the corner is
+    /// from then on.
+    void remove_side(std::uint32_t v, GridPoint meeting) {
+        const ThreeSides s = three_sides(v);
+        forget_sides(s);
+        grow(loop_of_[v], orient(s.a, meeting, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
+        // The contour between the side's ends is shared out where it is farthest out.
+        const std::uint32_t split = farthest(v, s.a, s.d);
+        to_[s.before] = split, from_[v] = split, to_[v] = to_[s.to];
+        at_[v] = meeting;
+        take_out(s.to, v);
+        sides_.add(s.before, s.a, meeting);
+        sides_.add(v, meeting, s.d);
+    }
+    /// Moves the side from a corner on, to run from b to c.
+    void move_side(std::uint32_t v, GridPoint b, GridPoint c) {
+        const ThreeSides s = three_sides(v);
+        forget_sides(s);
+        grow(loop_of_[v], kit::double_area(s.a, b, c, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
+        at_[v] = b, at_[s.to] = c;
+        sides_.add(s.before, s.a, b), sides_.add(v, b, c), sides_.add(s.to, c, s.d);
+    }
+
+  private:
     struct Part {
         std::uint32_t first, contour_size;  // its contour: corners of contour_
         std::uint32_t some, size;           // a corner of its polygon, and how many there are; size 0: it is gone
         std::int64_t double_area;
-    };
-    // What can be done at a corner: it goes, or the side after it. The price is the double area added for each corner less.
-    struct Offer {
-        double price;
-        std::uint32_t corner, stamp;
-        bool operator<(const Offer& other) const noexcept {  // the best one is the last
-            return price != other.price ? price > other.price : corner > other.corner;
+
+        [[nodiscard]] std::uint32_t contour_next(std::uint32_t i) const noexcept {
+            return i + 1 == first + contour_size ? first : i + 1;
         }
     };
-    struct Removal {
-        bool is_possible = false;
-        bool is_side = false;                    // the side from the corner on; else the corner
-        bool is_hole = false;                    // all of the corner's loop, a hole
-        GridPoint meeting;                       // where its neighbours meet
-        std::int64_t added = 0;                  // double area
-        std::uint32_t corners = 1;               // that go
-        std::vector<std::uint32_t> swallowed{};  // loops
-    };
 
-    [[nodiscard]] Loop corners_of(const Part& part) const {
-        Loop corners;
-        for (std::uint32_t v = part.some; corners.size() < part.size; v = next_[v]) corners.push_back(at_[v]);
-        return corners;
-    }
     static std::size_t count(const std::vector<Loop>& contours) {
         std::size_t sum = 0;
         for (const Loop& contour : contours) sum += contour.size();
@@ -1702,408 +1849,598 @@ class Covering {
         return box;
     }
 
-    // --- removals ---
-    void offer(std::uint32_t v) {
-        ++stamp_[v];
-        if (const Removal removal = removal_at(v); removal.is_possible) offers_.push({price(removal), v, stamp_[v]});
+    void grow(std::uint32_t loop, std::int64_t change) {
+        parts_[loop].double_area += change;
+        double_area_ += change;
     }
-    void offer_around(std::uint32_t v) {
-        for (std::uint32_t u : {v, previous_[v], previous_[previous_[v]], next_[v]}) offer(u);
+    void forget_sides(const ThreeSides& s) {
+        sides_.remove(s.before, s.a, s.b), sides_.remove(s.from, s.b, s.c), sides_.remove(s.to, s.c, s.d);
     }
-    static double price(const Removal& removal) {
-        return static_cast<double>(removal.added) / static_cast<double>(removal.corners);
-    }
-
-    // What it would be to remove at v, whatever is in the way: all of a hole where that is the cheaper.
-    [[nodiscard]] Removal removal_at(std::uint32_t v) const {
-        const Part& part = loops_[loop_of_[v]];
-        Removal out;
-        if (part.size > 3) out = removal_of(v);
-        if (part.double_area > 0) return out;
-        Removal hole;
-        hole.is_possible = hole.is_hole = true;
-        hole.added = -part.double_area;
-        hole.corners = part.size;
-        return out.is_possible && price(out) <= price(hole) ? out : hole;
-    }
-    // That of a corner or side of a loop of more than three.
-    [[nodiscard]] Removal removal_of(std::uint32_t v) const {
-        Removal out;
-        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        if (const std::int64_t turn = orient(at_[before], at_[v], at_[after]); turn <= 0) {
-            out.is_possible = true;
-            out.added = -turn;
-            return out;
-        }
-        if (orient(at_[v], at_[after], at_[last]) <= 0) return out;
-        out.is_side = true;
-        out.is_possible = find_meeting(at_[before], at_[v], at_[after], at_[last], out.meeting);
-        if (out.is_possible)
-            out.added = orient(at_[before], out.meeting, at_[last]) - orient(at_[before], at_[v], at_[after]) -
-                        orient(at_[before], at_[after], at_[last]);
-        return out;
-    }
-
-    // The point of the grid nearest to where the lines from a over b and from d over c meet that has both beside it or on it.
-    [[nodiscard]] bool find_meeting(GridPoint a, GridPoint b, GridPoint c, GridPoint d, GridPoint& meeting) const {
-        const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
-        const double vx = static_cast<double>(d.x) - c.x, vy = static_cast<double>(d.y) - c.y;
-        const double across = ux * vy - uy * vx;
-        if (!(across > 0)) return false;
-        const double share = ((static_cast<double>(c.x) - b.x) * vy - (static_cast<double>(c.y) - b.y) * vx) / across;
-        const double x = b.x + share * ux, y = b.y + share * uy;
-        if (!(x > -2 && x < right_ + 2.0 && y > -2 && y < bottom_ + 2.0)) return false;
-        return nearest_point(
-            x, y, [&](GridPoint p) { return orient(a, p, b) >= 0 && orient(p, d, c) >= 0; },
-            [&](GridPoint p) { return static_cast<double>(orient(a, p, d)); }, meeting);
-    }
-    // The point of the grid near (x, y), within the image, that is good and of the least cost.
-    template <class IsGood, class Cost>
-    [[nodiscard]] bool nearest_point(double x, double y, IsGood&& is_good, Cost&& cost, GridPoint& out) const {
-        const auto x0 = static_cast<std::int32_t>(std::floor(x)), y0 = static_cast<std::int32_t>(std::floor(y));
-        double least = std::numeric_limits<double>::infinity();
-        for (std::int32_t j = y0 - 1; j <= y0 + 2; ++j)
-            for (std::int32_t i = x0 - 1; i <= x0 + 2; ++i) {
-                const GridPoint p{i, j};
-                if (i < 0 || j < 0 || i > right_ || j > bottom_ || !is_good(p)) continue;
-                if (const double of_p = cost(p); of_p < least) least = of_p, out = p;
-            }
-        return least < std::numeric_limits<double>::infinity();
-    }
-
-    // Whether nothing is in the way; finds what is swallowed.
-    [[nodiscard]] bool is_free(std::uint32_t v, Removal& removal) {
-        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        if (removal.is_hole) return swallow_inside(loop_of_[v], removal);
-        if (!removal.is_side) {
-            return is_side_free(before, at_[before], after, at_[after], {before, v, none}) &&
-                   swallow({at_[before], at_[v], at_[after]}, {before, v, after}, removal);
-        }
-        const GridPoint p = removal.meeting;
-        return is_side_free(before, at_[before], v, p, {before, v, after}) &&
-               is_side_free(v, p, last, at_[last], {before, v, after}) &&
-               swallow({at_[before], p, at_[v]}, {before, v, after, last}, removal) &&
-               swallow({at_[v], p, at_[after]}, {before, v, after, last}, removal) &&
-               swallow({at_[after], p, at_[last]}, {before, v, after, last}, removal);
-    }
-    // Whether a side from p, corner a, to q, corner b, would meet no other than at its ends. Sides `gone`, by the corners at
-    // which they begin, do not count.
-    [[nodiscard]] bool is_side_free(std::uint32_t a, GridPoint p, std::uint32_t b, GridPoint q,
-                                    const std::array<std::uint32_t, 3>& gone) const {
-        if (p == q) return false;
-        return sides_.visit(GridBox(p).add(q), [&](std::uint32_t s) {
-            if (std::find(gone.begin(), gone.end(), s) != gone.end()) return true;
-            const std::uint32_t t = next_[s];
-            const bool begins = s == a || s == b, ends = t == a || t == b;
-            if (begins && ends) return false;
-            if (!begins && !ends) return !do_segments_meet(p, q, at_[s], at_[t]);
-            // They share an end, and must not run along each other.
-            const GridPoint shared = (begins ? s : t) == a ? p : q, own = shared == p ? q : p, other = at_[begins ? t : s];
-            return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
-        });
-    }
-    // Finds the loops in a hole.
-    [[nodiscard]] bool swallow_inside(std::uint32_t hole, Removal& removal) {
-        const Loop border = corners_of(loops_[hole]);
-        GridBox box(at_[loops_[hole].some]);
-        for (const GridPoint p : border) box.add(p);
-        std::vector<std::uint32_t> seen = {hole};
-        return sides_.visit(box, [&](std::uint32_t s) {
-            const std::uint32_t loop = loop_of_[s];
-            if (std::find(seen.begin(), seen.end(), loop) != seen.end()) return true;
-            seen.push_back(loop);
-            if (is_inside(border, at_[s])) take_along(loop, removal);
-            return true;
-        });
-    }
-    void take_along(std::uint32_t loop, Removal& removal) const {
-        removal.swallowed.push_back(loop);
-        removal.corners += loops_[loop].size;
-        removal.added -= loops_[loop].double_area;
-    }
-    // Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself.
-    [[nodiscard]] bool swallow(const std::array<GridPoint, 3>& triangle, const std::vector<std::uint32_t>& own,
-                               Removal& removal) {
-        const std::uint32_t home = loop_of_[own[0]];
-        return sides_.visit(GridBox(triangle[0]).add(triangle[1]).add(triangle[2]), [&](std::uint32_t s) {
-            if (loop_of_[s] == home && std::find(own.begin(), own.end(), s) != own.end()) return true;
-            if (!is_in_triangle(triangle[0], triangle[1], triangle[2], at_[s])) return true;
-            if (loop_of_[s] == home) return false;
-            if (std::find(removal.swallowed.begin(), removal.swallowed.end(), loop_of_[s]) != removal.swallowed.end())
-                return true;
-            take_along(loop_of_[s], removal);
-            return true;
-        });
-    }
-
-    void remove_cheapest(std::size_t count) {
-        std::vector<std::uint32_t> blocked;
-        for (bool is_new = true; is_new;) {  // whether something has gone since they were blocked
-            is_new = false;
-            while (!offers_.empty() && corners_ > count) {
-                const Offer best = offers_.top();
-                offers_.pop();
-                const std::uint32_t v = best.corner;
-                if (next_[v] == none || best.stamp != stamp_[v]) continue;
-                Removal removal = removal_at(v);
-                if (!is_free(v, removal)) {
-                    blocked.push_back(v);
-                    continue;
-                }
-                // What is swallowed changes the price: its turn may come later.
-                if (const double now = price(removal); now > best.price && !offers_.empty() && now > offers_.top().price) {
-                    offers_.push({now, v, ++stamp_[v]});
-                    continue;
-                }
-                remove(v, removal);
-                is_new = true;
-            }
-            if (corners_ <= count) return;
-            for (const std::uint32_t v : blocked)
-                if (next_[v] != none) offer(v);
-            blocked.clear();
-        }
-    }
-    void take_out(std::uint32_t v) {
-        sides_.remove(v, at_[v], at_[next_[v]]);
+    // Takes a corner out of its ring. One before it stays.
+    void take_out(std::uint32_t v, std::uint32_t before) {
+        const std::uint32_t after = next_[v];
+        next_[before] = after, previous_[after] = before;
+        next_[v] = none;
+        parts_[loop_of_[v]].some = before;
+        --parts_[loop_of_[v]].size;
         --corners_;
     }
-    void remove_loop(std::uint32_t loop) {
-        Part& part = loops_[loop];
-        std::uint32_t v = part.some;
-        for (std::uint32_t i = 0; i < part.size; ++i) {
-            take_out(v);
-            v = std::exchange(next_[v], none);
-        }
-        double_area_ -= part.double_area;
-        part.size = 0;
-    }
-    void remove(std::uint32_t v, const Removal& removal) {
-        for (const std::uint32_t loop : removal.swallowed) remove_loop(loop);
-        if (removal.is_hole) return remove_loop(loop_of_[v]);
-        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        Part& part = loops_[loop_of_[v]];
-        const std::int64_t area_before = part.double_area;
-        sides_.remove(before, at_[before], at_[v]);
-        take_out(v);
-        --part.size;
-        if (!removal.is_side) {
-            part.double_area -= orient(at_[before], at_[v], at_[after]);
-            link(before, after);
-            to_[before] = to_[v];
-            next_[v] = none;
-            part.some = before;
-            sides_.add(before, at_[before], at_[after]);
-            double_area_ += part.double_area - area_before;
-            offer_around(before);
-            offer_around(after);
-            return;
-        }
-        part.double_area += orient(at_[before], removal.meeting, at_[last]) - orient(at_[before], at_[v], at_[after]) -
-                            orient(at_[before], at_[after], at_[last]);
-        double_area_ += part.double_area - area_before;
-        sides_.remove(after, at_[after], at_[last]);
-        // The contour between the side's ends is shared out where it is farthest out.
-        const std::uint32_t split = farthest(v, at_[before], at_[last]);
-        to_[before] = split, from_[v] = split, to_[v] = to_[after];
-        at_[v] = removal.meeting;
-        link(v, last);
-        next_[after] = none;
-        part.some = v;
-        sides_.add(before, at_[before], at_[v]);
-        sides_.add(v, at_[v], at_[last]);
-        offer_around(before);
-        offer_around(v);
-        offer_around(last);
-    }
-    void link(std::uint32_t a, std::uint32_t b) { next_[a] = b, previous_[b] = a; }
 
-    // --- the contour along a side ---
-    [[nodiscard]] std::uint32_t contour_next(std::uint32_t i) const {
-        const Part& part = loops_[loop_of_[i]];
-        return i + 1 == part.first + part.contour_size ? part.first : i + 1;
-    }
-    // Calls body(i) for the corners of the contour from one to another.
+    [[nodiscard]] std::uint32_t contour_next(std::uint32_t i) const { return parts_[loop_of_[i]].contour_next(i); }
+    // Calls body(i) for the corners of the contour along a side.
     template <class Body>
-    void along_contour(std::uint32_t from, std::uint32_t to, Body&& body) const {
-        for (std::uint32_t i = from;; i = contour_next(i)) {
+    void walk_contour(std::uint32_t side, Body&& body) const {
+        const Part part = parts_[loop_of_[side]];
+        const std::uint32_t last = to_[side];
+        for (std::uint32_t i = from_[side];; i = part.contour_next(i)) {
             body(i);
-            if (i == to) return;
+            if (i == last) return;
         }
     }
-    // The corner of the contour along the side from v on that is farthest outside of the line from a to b.
-    [[nodiscard]] std::uint32_t farthest(std::uint32_t v, GridPoint a, GridPoint b) const {
-        std::uint32_t best = from_[v];
-        along_contour(from_[v], to_[v], [&](std::uint32_t i) {
+    // The corner of the contour along a side that is farthest outside of the line from a to b.
+    [[nodiscard]] std::uint32_t farthest(std::uint32_t side, GridPoint a, GridPoint b) const {
+        std::uint32_t best = from_[side];
+        walk_contour(side, [&](std::uint32_t i) {
             if (orient(a, b, contour_[i]) < orient(a, b, contour_[best])) best = i;
         });
         return best;
     }
 
-    // --- turning sides ---
-    struct RealPoint {
-        double x = 0, y = 0;
-    };
-    // Where the line from p in the direction (dx, dy) meets that from a over b; false: nowhere, or on the other side of a.
-    static bool meet(RealPoint p, double dx, double dy, GridPoint a, GridPoint b, RealPoint& out) {
-        const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
-        const double across = ux * dy - uy * dx;
-        if (across == 0) return false;
-        const double share = ((p.x - a.x) * dy - (p.y - a.y) * dx) / across;
-        out = {a.x + share * ux, a.y + share * uy};
-        return share > 0;
-    }
-    // Turns sides as long as that makes the area smaller, some passes over all.
-    void turn_sides() {
-        constexpr int passes = 12;
-        for (int pass = 0; pass < passes; ++pass) {
-            bool is_last = true;
-            for (std::uint32_t v = 0; v < at_.size(); ++v)
-                if (next_[v] != none && turn(v)) is_last = false;
-            if (is_last) return;
-        }
-    }
-    // Turns the side from v on to the best place that there is between the lines of its neighbours.
-    bool turn(std::uint32_t v) {
-        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
-        Loop points;
-        const auto gather = [&](std::uint32_t side) {
-            along_contour(from_[side], to_[side], [&](std::uint32_t i) { points.push_back(contour_[i]); });
-        };
-        gather(v);
-        if (orient(a, b, c) > 0) gather(before);
-        if (orient(b, c, d) > 0) gather(after);
-        const Loop hull = convex_hull(std::move(points));
-        if (hull.size() < 3) return false;
-
-        // Twice the area of (a, b, c, d), which is to become smaller by 1/100 px^2 at least.
-        constexpr double enough = 0.01 / px2;
-        const auto area_of = [&](RealPoint p, RealPoint q) {
-            return (p.x - a.x) * (q.y - a.y) - (q.x - a.x) * (p.y - a.y) + (q.x - a.x) * (static_cast<double>(d.y) - a.y) -
-                   (static_cast<double>(d.x) - a.x) * (q.y - a.y);
-        };
-        double least =
-            area_of({static_cast<double>(b.x), static_cast<double>(b.y)}, {static_cast<double>(c.x), static_cast<double>(c.y)}) -
-            enough;
-        RealPoint best_b, best_c;
-        bool is_found = false;
-        const auto try_line = [&](RealPoint p, double dx, double dy) {
-            RealPoint p_b, p_c;
-            if (!meet(p, dx, dy, a, b, p_b) || !meet(p, dx, dy, d, c, p_c)) return;
-            if ((p_c.x - p_b.x) * dx + (p_c.y - p_b.y) * dy <= 0) return;
-            // Of lines far beyond the next corners the price is another one.
-            if (const double area = area_of(p_b, p_c); area < least) least = area, best_b = p_b, best_c = p_c, is_found = true;
-        };
-        for (std::size_t i = 0; i < hull.size(); ++i) {
-            const GridPoint p = hull[i], q = hull[(i + 1) % hull.size()], o = hull[(i + hull.size() - 1) % hull.size()];
-            const RealPoint at{static_cast<double>(p.x), static_cast<double>(p.y)};
-            const double dx = static_cast<double>(q.x) - p.x, dy = static_cast<double>(q.y) - p.y;
-            try_line(at, dx, dy);
-            // The line on which p is in the middle: through where the mirror image of the line d c meets that of a b.
-            RealPoint in_b;
-            if (!meet({2 * at.x - c.x, 2 * at.y - c.y}, static_cast<double>(d.x) - c.x, static_cast<double>(d.y) - c.y, a, b,
-                      in_b))
-                continue;
-            const double mx = at.x - in_b.x, my = at.y - in_b.y;
-            const double from_x = at.x - o.x, from_y = at.y - o.y;
-            if (from_x * my - from_y * mx >= 0 && mx * dy - my * dx >= 0) try_line(at, mx, my);
-        }
-        return is_found && put_side(v, best_b, best_c);
-    }
-    // Puts the ends of the side from v on to points near p and q, if all stays as it must be.
-    bool put_side(std::uint32_t v, RealPoint p, RealPoint q) {
-        const std::uint32_t before = previous_[v], after = next_[v], last = next_[after];
-        const GridPoint a = at_[before], b = at_[v], c = at_[after], d = at_[last];
-        const auto outside = [&](GridPoint g) {
-            return (q.x - p.x) * (g.y - p.y) - (g.x - p.x) * (q.y - p.y);  // < 0 outside of the line
-        };
-        if (!(p.x > -2 && p.x < right_ + 2.0 && p.y > -2 && p.y < bottom_ + 2.0) ||
-            !(q.x > -2 && q.x < right_ + 2.0 && q.y > -2 && q.y < bottom_ + 2.0))
-            return false;
-        const double slack = 1e-6 * (std::abs(q.x - p.x) + std::abs(q.y - p.y));
-        GridPoint new_b, new_c;
-        const auto squared = [](GridPoint g, RealPoint r) { return (g.x - r.x) * (g.x - r.x) + (g.y - r.y) * (g.y - r.y); };
-        if (!nearest_point(
-                p.x, p.y, [&](GridPoint g) { return orient(a, b, g) <= 0 && outside(g) <= slack; },
-                [&](GridPoint g) { return squared(g, p); }, new_b) ||
-            !nearest_point(
-                q.x, q.y, [&](GridPoint g) { return orient(c, d, g) <= 0 && outside(g) <= slack; },
-                [&](GridPoint g) { return squared(g, q); }, new_c))
-            return false;
-        const std::int64_t change = orient(a, new_b, new_c) + orient(a, new_c, d) - orient(a, b, c) - orient(a, c, d);
-        if (change >= 0 || new_b == new_c || new_b == a || new_c == d) return false;
-        // Lines turned past the next corner fold over.
-        if (along(a, a, b, new_b) <= 0 || along(d, d, c, new_c) <= 0) return false;
-        const bool is_triangle = before == last;
-        const std::int64_t turn_of_all = orient(a, new_b, new_c);  // of a triangle, which stays border or hole
-        if (is_triangle ? turn_of_all == 0 || (turn_of_all > 0) != (loops_[loop_of_[v]].double_area > 0)
-                        : do_segments_meet(a, new_b, new_c, d))
-            return false;
-        const auto folds = [](GridPoint u, GridPoint at, GridPoint w) {
-            return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
-        };
-        if (folds(a, new_b, new_c) || folds(new_b, new_c, d)) return false;
-
-        const std::array<std::uint32_t, 3> gone = {before, v, after};
-        if (!is_side_free(before, a, v, new_b, gone) || !is_side_free(v, new_b, after, new_c, gone) ||
-            !is_side_free(after, new_c, last, d, gone))
-            return false;
-        // Nothing that was inside may come to lie outside: of the new side and, where a corner that is not convex moves on along
-        // its other side, of that; but for what is beside that which is left of the others.
-        const bool cuts_first = orient(a, b, c) < 0 && along(b, a, b, new_b) > 0;
-        const bool cuts_last = orient(b, c, d) < 0 && along(c, d, c, new_c) > 0;
-        const auto stays = [&](GridPoint s) {
-            return orient(new_b, new_c, s) >= 0 && (!cuts_first || orient(a, new_b, s) >= 0) &&
-                   (!cuts_last || orient(new_c, d, s) >= 0);
-        };
-        // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
-        if (cuts_first || cuts_last) {
-            const auto is_crossed = [&](GridPoint p0, GridPoint p1) {
-                return !touched_.visit(GridBox(p0).add(p1), [&](std::uint32_t i) {
-                    return !do_segments_cross(p0, p1, contour_[i], contour_[contour_next(i)]);
-                });
-            };
-            if (is_crossed(b, new_b) || is_crossed(new_b, new_c) || is_crossed(new_c, c)) return false;
-        }
-        const std::array<std::array<GridPoint, 3>, 4> swept = {{{a, b, new_b}, {b, c, new_c}, {b, new_c, new_b}, {c, d, new_c}}};
-        const std::array<std::uint32_t, 4> own = {before, v, after, last};
-        for (std::size_t k = 0; k < swept.size(); ++k) {
-            const auto& [t, u, w] = swept[k];
-            const GridBox box = GridBox(t).add(u).add(w);
-            const bool is_clear = sides_.visit(box, [&, t = t, u = u, w = w](std::uint32_t s) {
-                return std::find(own.begin(), own.end(), s) != own.end() || !is_in_triangle(t, u, w, at_[s]);
-            });
-            if (!is_clear || !touched_.visit(box, [&, t = t, u = u, w = w](std::uint32_t i) {
-                    const GridPoint s = contour_[i];
-                    return !is_in_triangle(t, u, w, s) || stays(s) || (k == 0 && along(new_b, a, b, s) <= 0) ||
-                           (k == 3 && along(new_c, d, c, s) <= 0);
-                }))
-                return false;
-        }
-        sides_.remove(before, a, b), sides_.remove(v, b, c), sides_.remove(after, c, d);
-        at_[v] = new_b, at_[after] = new_c;
-        sides_.add(before, a, new_b), sides_.add(v, new_b, new_c), sides_.add(after, new_c, d);
-        loops_[loop_of_[v]].double_area += change;
-        double_area_ += change;
-        return true;
-    }
-    // How far p is from o on in the direction from a to b, times the length of that. Exact.
-    static std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
-        return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
-    }
-
-    std::int32_t right_, bottom_;
+    GridBox image_;
     std::vector<GridPoint> at_, contour_;
     std::vector<std::uint32_t> next_, previous_, loop_of_;  // next_ is none where a corner is gone
     std::vector<std::uint32_t> from_, to_;                  // the contour along the side after a corner
-    std::vector<std::uint32_t> stamp_;                      // of a corner's last offer
-    std::vector<Part> loops_;
+    std::vector<Part> parts_;
     Buckets sides_;    // by the corners at which they begin
     Buckets touched_;  // sides of the contours, so too
-    std::priority_queue<Offer> offers_;
     std::size_t corners_ = 0;
     std::int64_t double_area_ = 0;
+};
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_POLYGONS_HPP
+
+// ---- hmesh/outline/remove_corners.hpp
+
+/// \file
+/// remove_corners(): corners of polygons and holes go one by one, the cheapest first by the area that this adds.
+///
+/// A removal only ever adds area:
+///
+/// - a corner that is not convex: the side between its neighbours takes its place;
+/// - a side between two convex corners: its neighbours are made longer until they meet (the two-dimensional case of the
+///   progressive hulls of Sander et al., "Silhouette clipping", 2000);
+/// - a hole with all that is in it.
+///
+/// Whatever lies wholly in the area added, such as an island in a bay, goes with it. What would make sides meet waits until that
+/// which is in the way has gone. Cost: some 2 us for each corner of the contours.
+#ifndef HMESH_OUTLINE_REMOVE_CORNERS_HPP
+#define HMESH_OUTLINE_REMOVE_CORNERS_HPP
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <vector>
+
+namespace hmesh::kit {
+
+namespace detail {
+
+/// What can be done at a corner.
+struct Removal {
+    /// What goes: the corner, the side from it on, or all of its loop, which is a hole.
+    enum class Kind : std::uint8_t { none, corner, side, hole };
+
+    Kind kind = Kind::none;                ///< none: there is nothing to remove
+    GridPoint meeting;                     ///< of a side: where its neighbours meet
+    std::int64_t added = 0;                ///< double area
+    std::uint32_t corners = 1;             ///< that go
+    std::vector<std::uint32_t> swallowed;  ///< loops, which is_free() finds
+
+    /// The double area added for each corner less.
+    [[nodiscard]] double price() const noexcept { return static_cast<double>(added) / static_cast<double>(corners); }
+};
+
+/// The point of the grid nearest to where the lines from a over b and from d over c meet that has both beside it or on it.
+[[nodiscard]] inline std::optional<GridPoint> find_meeting(const ThreeSides& s, const GridBox& image) {
+    const double ux = static_cast<double>(s.b.x) - s.a.x, uy = static_cast<double>(s.b.y) - s.a.y;
+    const double vx = static_cast<double>(s.d.x) - s.c.x, vy = static_cast<double>(s.d.y) - s.c.y;
+    const double across = ux * vy - uy * vx;
+    if (!(across > 0)) return {};
+    const double share = ((static_cast<double>(s.c.x) - s.b.x) * vy - (static_cast<double>(s.c.y) - s.b.y) * vx) / across;
+    return nearest_point(
+        {s.b.x + share * ux, s.b.y + share * uy}, image,
+        [&](GridPoint p) { return orient(s.a, p, s.b) >= 0 && orient(p, s.d, s.c) >= 0; },
+        [&](GridPoint p) { return static_cast<double>(orient(s.a, p, s.d)); });
+}
+
+/// What it would be to remove the corner v or the side from it on, of a loop of more than three, whatever is in the way.
+[[nodiscard]] inline Removal removal_of(const Polygons& polygons, std::uint32_t v) {
+    const ThreeSides s = polygons.three_sides(v);
+    Removal out;
+    if (const std::int64_t turn = orient(s.a, s.b, s.c); turn <= 0) {
+        out.kind = Removal::Kind::corner;
+        out.added = -turn;
+    } else if (orient(s.b, s.c, s.d) > 0) {
+        const std::optional<GridPoint> meeting = find_meeting(s, polygons.image());
+        if (!meeting) return out;
+        out.kind = Removal::Kind::side;
+        out.meeting = *meeting;
+        out.added = orient(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
+    }
+    return out;
+}
+
+/// What it would be to remove at v, whatever is in the way: all of a hole where that is the cheaper.
+[[nodiscard]] inline Removal removal_at(const Polygons& polygons, std::uint32_t v) {
+    const std::uint32_t loop = polygons.loop_of(v);
+    Removal out;
+    if (polygons.size_of(loop) > 3) out = removal_of(polygons, v);
+    if (!polygons.is_hole(loop)) return out;
+    Removal hole;
+    hole.kind = Removal::Kind::hole;
+    hole.added = -polygons.double_area_of(loop);
+    hole.corners = polygons.size_of(loop);
+    return out.kind != Removal::Kind::none && out.price() <= hole.price() ? out : hole;
+}
+
+// --- what is in the way, and what goes along ---
+
+/// Has a loop go with a removal.
+inline void take_along(const Polygons& polygons, std::uint32_t loop, Removal& removal) {
+    removal.swallowed.push_back(loop);
+    removal.corners += polygons.size_of(loop);
+    removal.added -= polygons.double_area_of(loop);
+}
+
+/// Finds the loops in a hole.
+inline void swallow_inside(const Polygons& polygons, std::uint32_t hole, Removal& removal) {
+    const Loop border = polygons.corners_of(hole);
+    GridBox box(border.front());
+    for (const GridPoint p : border) box.add(p);
+    std::vector<std::uint32_t> seen = {hole};
+    polygons.visit_sides(box, [&](std::uint32_t s) {
+        const std::uint32_t loop = polygons.loop_of(s);
+        if (std::find(seen.begin(), seen.end(), loop) != seen.end()) return true;
+        seen.push_back(loop);
+        if (is_inside(border, polygons.at(s))) take_along(polygons, loop, removal);
+        return true;
+    });
+}
+
+/// Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself, but for these corners.
+[[nodiscard]] inline bool swallow(const Polygons& polygons, const std::array<GridPoint, 3>& triangle,
+                                  const std::array<std::uint32_t, 4>& own, Removal& removal) {
+    const auto& [a, b, c] = triangle;
+    const std::uint32_t home = polygons.loop_of(own[0]);
+    return polygons.visit_sides(GridBox(a).add(b).add(c), [&, a = a, b = b, c = c](std::uint32_t s) {
+        if (std::find(own.begin(), own.end(), s) != own.end() || !is_in_triangle(a, b, c, polygons.at(s))) return true;
+        const std::uint32_t loop = polygons.loop_of(s);
+        if (loop == home) return false;
+        if (std::find(removal.swallowed.begin(), removal.swallowed.end(), loop) == removal.swallowed.end())
+            take_along(polygons, loop, removal);
+        return true;
+    });
+}
+
+/// Whether nothing is in the way of a removal at v; finds what is swallowed.
+[[nodiscard]] inline bool is_free(const Polygons& polygons, std::uint32_t v, Removal& removal) {
+    if (removal.kind == Removal::Kind::hole) {
+        swallow_inside(polygons, polygons.loop_of(v), removal);
+        return true;
+    }
+    const ThreeSides s = polygons.three_sides(v);
+    if (removal.kind == Removal::Kind::corner)
+        return polygons.is_side_free({s.before, s.a}, {s.to, s.c}, {s.before, v, Polygons::none}) &&
+               swallow(polygons, {s.a, s.b, s.c}, {s.before, v, s.to, Polygons::none}, removal);
+    const GridPoint p = removal.meeting;
+    const std::array<std::uint32_t, 3> gone = {s.before, v, s.to};
+    const std::array<std::uint32_t, 4> own = {s.before, v, s.to, s.last};
+    return polygons.is_side_free({s.before, s.a}, {v, p}, gone) && polygons.is_side_free({v, p}, {s.last, s.d}, gone) &&
+           swallow(polygons, {s.a, p, s.b}, own, removal) && swallow(polygons, {s.b, p, s.c}, own, removal) &&
+           swallow(polygons, {s.c, p, s.d}, own, removal);
+}
+
+// --- the cheapest first ---
+
+/// Removals by their prices. Of a corner, the last one that was offered counts, and no more once it is taken back or taken out.
+class Offers {
+  public:
+    /// That of one corner.
+    struct Offer {
+        double price;          ///< double area for each corner less
+        std::uint32_t corner,  ///< its number
+            stamp;             ///< which one of that corner's it is
+        /// The best one is the last.
+        bool operator<(const Offer& other) const noexcept {
+            return price != other.price ? price > other.price : corner > other.corner;
+        }
+    };
+
+    /// For corners with numbers below this.
+    explicit Offers(std::uint32_t numbers) : stamp_(numbers, 0) {}
+
+    /// Offers what can be removed at a corner, in place of what was before.
+    void add(std::uint32_t corner, double price) { waiting_.push({price, corner, ++stamp_[corner]}); }
+    /// Takes back what was offered there.
+    void take_back(std::uint32_t corner) { ++stamp_[corner]; }
+    /// Takes out the cheapest one, if there is any.
+    std::optional<Offer> take_out() {
+        while (!waiting_.empty()) {
+            const Offer best = waiting_.top();
+            waiting_.pop();
+            if (best.stamp == stamp_[best.corner]) return best;
+        }
+        return {};
+    }
+    /// None that waits is cheaper than this; it may be the price of one that counts no more.
+    [[nodiscard]] double least_price() const {
+        return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.top().price;
+    }
+
+  private:
+    std::priority_queue<Offer> waiting_;
+    std::vector<std::uint32_t> stamp_;  // of a corner's last offer
+};
+
+/// Offers what there is at a corner, in place of what was offered there.
+inline void offer(const Polygons& polygons, std::uint32_t v, Offers& offers) {
+    if (const Removal removal = removal_at(polygons, v); removal.kind != Removal::Kind::none) offers.add(v, removal.price());
+    else offers.take_back(v);
+}
+/// Offers anew all that a change at v may have changed.
+inline void offer_around(const Polygons& polygons, std::uint32_t v, Offers& offers) {
+    const std::uint32_t before = polygons.previous(v);
+    for (const std::uint32_t u : {v, before, polygons.previous(before), polygons.next(v)}) offer(polygons, u, offers);
+}
+
+/// Does it, and offers what there is then.
+inline void remove(Polygons& polygons, std::uint32_t v, const Removal& removal, Offers& offers) {
+    for (const std::uint32_t loop : removal.swallowed) polygons.remove_loop(loop);
+    if (removal.kind == Removal::Kind::hole) return polygons.remove_loop(polygons.loop_of(v));
+    const ThreeSides s = polygons.three_sides(v);
+    if (removal.kind == Removal::Kind::corner) {
+        polygons.remove_corner(v);
+        offer_around(polygons, s.before, offers);
+        offer_around(polygons, s.to, offers);
+    } else {
+        polygons.remove_side(v, removal.meeting);
+        offer_around(polygons, s.before, offers);
+        offer_around(polygons, v, offers);
+        offer_around(polygons, s.last, offers);
+    }
+}
+
+/// Removes what is offered, until `count` corners are left or no more offers. Adds the corners at which something was in the way.
+/// Whether anything has gone.
+inline bool remove_offered(Polygons& polygons, std::size_t count, Offers& offers, std::vector<std::uint32_t>& blocked) {
+    bool is_any = false;
+    while (polygons.corners() > count) {
+        const std::optional<Offers::Offer> best = offers.take_out();
+        if (!best) break;
+        const std::uint32_t v = best->corner;
+        if (!polygons.has(v)) continue;
+        Removal removal = removal_at(polygons, v);
+        if (!is_free(polygons, v, removal)) {
+            blocked.push_back(v);
+            continue;
+        }
+        // What is swallowed changes the price: its turn may come later.
+        if (const double now = removal.price(); now > best->price && now > offers.least_price()) {
+            offers.add(v, now);
+            continue;
+        }
+        remove(polygons, v, removal, offers);
+        is_any = true;
+    }
+    return is_any;
+}
+
+}  // namespace detail
+
+/// Removes corners until at most `count` are left, the cheapest first: there may be more left where none can go.
+inline void remove_corners(Polygons& polygons, std::size_t count) {
+    detail::Offers offers(polygons.numbers());
+    for (std::uint32_t v = 0; v < polygons.numbers(); ++v)
+        if (polygons.has(v)) detail::offer(polygons, v, offers);
+    // What is blocked may be free once something has gone.
+    std::vector<std::uint32_t> blocked;
+    while (detail::remove_offered(polygons, count, offers, blocked) && polygons.corners() > count) {
+        for (const std::uint32_t v : blocked)
+            if (polygons.has(v)) detail::offer(polygons, v, offers);
+        blocked.clear();
+    }
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_REMOVE_CORNERS_HPP
+
+// ---- hmesh/outline/turn_sides.hpp
+
+/// \file
+/// turn_sides(): sides of polygons are turned around what they touch, as long as that leaves less area.
+///
+/// Of least area, a side touches in its middle or in two points. Where that is between the lines of its neighbours is found in
+/// real numbers. Whether it may stand there, once its ends are on the grid, is asked in whole ones, so that contours stay inside
+/// and sides never meet, however positions were rounded. Cost: some 2 us for each corner of the contours and each time that all
+/// sides are looked at.
+#ifndef HMESH_OUTLINE_TURN_SIDES_HPP
+#define HMESH_OUTLINE_TURN_SIDES_HPP
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <utility>
+
+namespace hmesh::kit {
+
+namespace detail {
+
+/// A line through a point, with its direction.
+struct DirectedLine {
+    RealPoint at;   ///< a point of it
+    double dx = 0,  ///< to the right
+        dy = 0;     ///< down
+};
+
+/// The ends of a side, before they are on the grid.
+struct RealSide {
+    RealPoint b,  ///< where it begins
+        c;        ///< where it ends
+};
+
+/// The ends of a side.
+struct GridSide {
+    GridPoint b,  ///< where it begins
+        c;        ///< where it ends
+};
+
+/// The same point.
+[[nodiscard]] inline RealPoint real_point(GridPoint p) noexcept { return {static_cast<double>(p.x), static_cast<double>(p.y)}; }
+
+// --- where a side would stand best ---
+
+/// Where a line meets that from a over b; nothing: nowhere, or on the other side of a.
+[[nodiscard]] inline std::optional<RealPoint> meet(const DirectedLine& line, GridPoint a, GridPoint b) noexcept {
+    const double ux = static_cast<double>(b.x) - a.x, uy = static_cast<double>(b.y) - a.y;
+    const double across = ux * line.dy - uy * line.dx;
+    if (across == 0) return {};
+    const double share = ((line.at.x - a.x) * line.dy - (line.at.y - a.y) * line.dx) / across;
+    if (!(share > 0)) return {};
+    return RealPoint{a.x + share * ux, a.y + share * uy};
+}
+
+/// The hull of what the side touches or may touch once turned: of the contour along it and, where its ends are convex, along
+/// its neighbours.
+[[nodiscard]] inline Loop touchable_hull(const Polygons& polygons, const ThreeSides& s) {
+    Loop points;
+    const auto gather = [&](std::uint32_t side) { polygons.along_contour(side, [&](GridPoint p) { points.push_back(p); }); };
+    gather(s.from);
+    if (orient(s.a, s.b, s.c) > 0) gather(s.before);
+    if (orient(s.b, s.c, s.d) > 0) gather(s.to);
+    return convex_hull(std::move(points));
+}
+
+/// Of lines along which the middle one of three sides might run, the best.
+class BestLine {
+  public:
+    /// Of these sides, as they are.
+    explicit BestLine(const ThreeSides& sides) : s_(sides), least_(area_of({real_point(s_.b), real_point(s_.c)}) - enough) {}
+
+    /// Tries one, with what has to be inside to its right.
+    void try_line(const DirectedLine& line) {
+        const std::optional<RealPoint> b = meet(line, s_.a, s_.b);
+        if (!b) return;
+        const std::optional<RealPoint> c = meet(line, s_.d, s_.c);
+        if (!c || (c->x - b->x) * line.dx + (c->y - b->y) * line.dy <= 0) return;
+        // Of lines far beyond the next corners the price is another one.
+        if (const double area = area_of({*b, *c}); area < least_) least_ = area, best_ = {*b, *c};
+    }
+    /// The ends of the side along the best; nothing: it is best as it is.
+    [[nodiscard]] const std::optional<RealSide>& best() const noexcept { return best_; }
+
+  private:
+    // What twice the area is to become smaller by at least: 1/100 px^2.
+    static constexpr double enough = 0.02 * units_per_px * units_per_px;
+
+    // Twice the area of (a, b, c, d).
+    [[nodiscard]] double area_of(const RealSide& side) const noexcept {
+        const GridPoint a = s_.a, d = s_.d;
+        const RealPoint p = side.b, q = side.c;
+        return (p.x - a.x) * (q.y - a.y) - (q.x - a.x) * (p.y - a.y) + (q.x - a.x) * (static_cast<double>(d.y) - a.y) -
+               (static_cast<double>(d.x) - a.x) * (q.y - a.y);
+    }
+
+    ThreeSides s_;
+    double least_;
+    std::optional<RealSide> best_;
+};
+
+/// The best place for the side from b to c that there is between the lines of its neighbours, if it is better than that.
+[[nodiscard]] inline std::optional<RealSide> best_place(const Polygons& polygons, const ThreeSides& s) {
+    const Loop hull = touchable_hull(polygons, s);
+    if (hull.size() < 3) return {};
+    BestLine lines(s);
+    for (std::size_t i = 0; i < hull.size(); ++i) {
+        const RealPoint o = real_point(hull[(i + hull.size() - 1) % hull.size()]), p = real_point(hull[i]),
+                        q = real_point(hull[(i + 1) % hull.size()]);
+        const DirectedLine along_hull{p, q.x - p.x, q.y - p.y};
+        lines.try_line(along_hull);
+        // The line on which p is in the middle: through where the mirror image of the line d c meets that of a b.
+        const std::optional<RealPoint> in_b =
+            meet({{2 * p.x - s.c.x, 2 * p.y - s.c.y}, static_cast<double>(s.d.x) - s.c.x, static_cast<double>(s.d.y) - s.c.y},
+                 s.a, s.b);
+        if (!in_b) continue;
+        const DirectedLine halved{p, p.x - in_b->x, p.y - in_b->y};
+        const double from_x = p.x - o.x, from_y = p.y - o.y;
+        if (from_x * halved.dy - from_y * halved.dx >= 0 && halved.dx * along_hull.dy - halved.dy * along_hull.dx >= 0)
+            lines.try_line(halved);
+    }
+    return lines.best();
+}
+
+// --- whether it may stand there ---
+
+/// The points of the grid nearest to the ends of a side that are within the image, and inside of neither it nor its neighbours.
+[[nodiscard]] inline std::optional<GridSide> on_grid(const ThreeSides& s, const RealSide& side, const GridBox& image) {
+    const RealPoint p = side.b, q = side.c;
+    const double slack = 1e-6 * (std::abs(q.x - p.x) + std::abs(q.y - p.y));
+    const auto is_outside = [&](GridPoint g) { return (q.x - p.x) * (g.y - p.y) - (g.x - p.x) * (q.y - p.y) <= slack; };
+    const auto squared = [](GridPoint g, RealPoint r) { return (g.x - r.x) * (g.x - r.x) + (g.y - r.y) * (g.y - r.y); };
+    const std::optional<GridPoint> b = nearest_point(
+        p, image, [&](GridPoint g) { return orient(s.a, s.b, g) <= 0 && is_outside(g); },
+        [&](GridPoint g) { return squared(g, p); });
+    if (!b) return {};
+    const std::optional<GridPoint> c = nearest_point(
+        q, image, [&](GridPoint g) { return orient(s.c, s.d, g) <= 0 && is_outside(g); },
+        [&](GridPoint g) { return squared(g, q); });
+    if (!c) return {};
+    return GridSide{*b, *c};
+}
+
+/// Whether the three sides would fold or meet each other, with the middle one at `to`.
+[[nodiscard]] inline bool is_folded(const Polygons& polygons, const ThreeSides& s, const GridSide& to) {
+    if (to.b == to.c || to.b == s.a || to.c == s.d) return true;
+    // Lines turned past the next corner fold over.
+    if (along(s.a, s.a, s.b, to.b) <= 0 || along(s.d, s.d, s.c, to.c) <= 0) return true;
+    if (s.before == s.last) {  // a triangle, which stays border or hole
+        const std::int64_t turn_of_all = orient(s.a, to.b, to.c);
+        if (turn_of_all == 0 || (turn_of_all > 0) == polygons.is_hole(polygons.loop_of(s.from))) return true;
+    } else if (do_segments_meet(s.a, to.b, to.c, s.d)) {
+        return true;
+    }
+    const auto turns_back = [](GridPoint u, GridPoint at, GridPoint w) {
+        return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
+    };
+    return turns_back(s.a, to.b, to.c) || turns_back(to.b, to.c, s.d);
+}
+
+/// Whether none of the three sides would meet another one, with the middle one at `to`.
+[[nodiscard]] inline bool are_sides_free(const Polygons& polygons, const ThreeSides& s, const GridSide& to) {
+    const std::array<std::uint32_t, 3> gone = {s.before, s.from, s.to};
+    return polygons.is_side_free({s.before, s.a}, {s.from, to.b}, gone) &&
+           polygons.is_side_free({s.from, to.b}, {s.to, to.c}, gone) && polygons.is_side_free({s.to, to.c}, {s.last, s.d}, gone);
+}
+
+/// Whether in a triangle there is neither another corner nor one of the contours, but for those that may_be(p) there.
+template <class MayBe>
+[[nodiscard]] bool is_clear(const Polygons& polygons, const ThreeSides& s, const std::array<GridPoint, 3>& triangle,
+                            MayBe&& may_be) {
+    const auto& [t, u, w] = triangle;
+    const GridBox box = GridBox(t).add(u).add(w);
+    return polygons.visit_sides(box, [&, t = t, u = u, w = w](std::uint32_t v) {
+        return v == s.before || v == s.from || v == s.to || v == s.last || !is_in_triangle(t, u, w, polygons.at(v));
+    }) && polygons.visit_contours(box, [&, t = t, u = u, w = w](GridPoint p, GridPoint /*next*/) {
+        return !is_in_triangle(t, u, w, p) || may_be(p);
+    });
+}
+
+/// Whether a side of the contours crosses the segment from p to q.
+[[nodiscard]] inline bool is_contour_crossed(const Polygons& polygons, GridPoint p, GridPoint q) {
+    return !polygons.visit_contours(GridBox(p).add(q), [&](GridPoint a, GridPoint b) { return !do_segments_cross(p, q, a, b); });
+}
+
+/// Whether nothing that was inside would come to lie outside, with the middle one of the three sides at `to`.
+[[nodiscard]] inline bool is_all_inside(const Polygons& polygons, const ThreeSides& s, const GridSide& to) {
+    // Outside of the new side and, where a corner that is not convex moves on along its other side, of that; but for what is
+    // beside that which is left of the others.
+    const bool cuts_first = orient(s.a, s.b, s.c) < 0 && along(s.b, s.a, s.b, to.b) > 0;
+    const bool cuts_last = orient(s.b, s.c, s.d) < 0 && along(s.c, s.d, s.c, to.c) > 0;
+    // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
+    if ((cuts_first || cuts_last) && (is_contour_crossed(polygons, s.b, to.b) || is_contour_crossed(polygons, to.b, to.c) ||
+                                      is_contour_crossed(polygons, to.c, s.c)))
+        return false;
+    const auto stays = [&](GridPoint p) {
+        return orient(to.b, to.c, p) >= 0 && (!cuts_first || orient(s.a, to.b, p) >= 0) &&
+               (!cuts_last || orient(to.c, s.d, p) >= 0);
+    };
+    const auto is_beside_first = [&](GridPoint p) { return stays(p) || along(to.b, s.a, s.b, p) <= 0; };
+    const auto is_beside_last = [&](GridPoint p) { return stays(p) || along(to.c, s.d, s.c, p) <= 0; };
+    return is_clear(polygons, s, {s.a, s.b, to.b}, is_beside_first) && is_clear(polygons, s, {s.b, s.c, to.c}, stays) &&
+           is_clear(polygons, s, {s.b, to.c, to.b}, stays) && is_clear(polygons, s, {s.c, s.d, to.c}, is_beside_last);
+}
+
+/// Turns the side from v on to the best place that there is, if all stays as it must be. Whether it could.
+inline bool turn(Polygons& polygons, std::uint32_t v) {
+    const ThreeSides s = polygons.three_sides(v);
+    const std::optional<RealSide> best = best_place(polygons, s);
+    if (!best) return false;
+    const std::optional<GridSide> to = on_grid(s, *best, polygons.image());
+    if (!to || double_area(s.a, to->b, to->c, s.d) >= double_area(s.a, s.b, s.c, s.d)) return false;
+    if (is_folded(polygons, s, *to) || !are_sides_free(polygons, s, *to) || !is_all_inside(polygons, s, *to)) return false;
+    polygons.move_side(v, to->b, to->c);
+    return true;
+}
+
+}  // namespace detail
+
+/// Turns sides as long as that makes the area smaller, some passes over all.
+inline void turn_sides(Polygons& polygons) {
+    constexpr int passes = 12;
+    for (int pass = 0; pass < passes; ++pass) {
+        bool is_last = true;
+        for (std::uint32_t v = 0; v < polygons.numbers(); ++v)
+            if (polygons.has(v) && detail::turn(polygons, v)) is_last = false;
+        if (is_last) return;
+    }
+}
+
+}  // namespace hmesh::kit
+
+#endif  // HMESH_OUTLINE_TURN_SIDES_HPP
+
+// ---- hmesh/outline/covering.hpp
+
+/// \file
+/// Covering: polygons with few corners around contours, of nearly the least area.
+///
+/// Corners are removed one by one, the cheapest first by the area that it adds (remove_corners.hpp). Then sides are turned around
+/// what they touch as long as that leaves less area (turn_sides.hpp). All tests are made in whole numbers, so that contours stay
+/// inside and sides never meet, however positions were rounded. Cost: removals some 2 us for each corner of the contours, and
+/// turning as much again for each time that all sides are looked at.
+#ifndef HMESH_OUTLINE_COVERING_HPP
+#define HMESH_OUTLINE_COVERING_HPP
+
+#include <cstddef>
+#include <vector>
+
+namespace hmesh::kit {
+
+/// Polygons that begin as contours and lose corners. The contours are inside at all times, and no two sides meet.
+class Covering {
+  public:
+    /// Of contours_of() an image of this size in px, or polygons like them.
+    Covering(const std::vector<Loop>& contours, int width, int height) : polygons_(contours, width, height) {}
+
+    [[nodiscard]] std::size_t corners() const noexcept { return polygons_.corners(); }  ///< of all polygons that are left
+    /// The area of the polygons, px^2.
+    [[nodiscard]] double area() const noexcept {
+        return static_cast<double>(polygons_.double_area()) * (0.5 / (units_per_px * units_per_px));
+    }
+
+    /// Removes corners until at most `count` are left, the cheapest first, then turns sides. Whether any could be removed: there
+    /// may be more left where none can go.
+    bool remove_to(std::size_t count) {
+        const std::size_t before = corners();
+        remove_corners(polygons_, count);
+        turn_sides(polygons_);
+        return corners() != before;
+    }
+
+    /// The polygons that are left: outer borders and holes.
+    [[nodiscard]] std::vector<Loop> loops() const { return polygons_.loops(); }
+
+  private:
+    Polygons polygons_;
 };
 
 }  // namespace hmesh::kit

@@ -2,7 +2,6 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -70,25 +69,4 @@ TEST_CASE("a visit ends where its body says so") {
     int calls = 0;
     CHECK_FALSE(buckets.visit(GridBox({5, 5}), [&](std::uint32_t) { return ++calls < 2; }));
     CHECK(calls == 2);
-}
-
-TEST_CASE("segments meet and points are in triangles as whole numbers say, ends and borders included") {
-    hmesh::kit::Random random(9);
-    for (int round = 0; round < 20000; ++round) {
-        const std::uint32_t size = round % 2 == 0 ? 5 : 1U << 24U;
-        const GridPoint a = some_point(random, size), b = some_point(random, size), c = some_point(random, size),
-                        d = some_point(random, size);
-        if (hmesh::kit::do_segments_meet(a, b, c, d) != hmesh_test::touch(wide(a), wide(b), wide(c), wide(d))) FAIL("segments");
-        const auto turn = [](GridPoint p, GridPoint q, GridPoint r) { return hmesh_test::turn_of(wide(p), wide(q), wide(r)); };
-        const bool apart = (turn(a, b, c) > 0) != (turn(a, b, d) > 0) && (turn(c, d, a) > 0) != (turn(c, d, b) > 0);
-        const bool at_end = turn(a, b, c) == 0 || turn(a, b, d) == 0 || turn(c, d, a) == 0 || turn(c, d, b) == 0;
-        if (hmesh::kit::do_segments_cross(a, b, c, d) != (apart && !at_end)) FAIL("crossing");
-        if (hmesh::kit::orient(a, b, c) == 0) continue;
-        const auto side = [&](GridPoint p, GridPoint q) { return hmesh_test::turn_of(wide(p), wide(q), wide(d)); };
-        const std::int64_t low = std::min({side(a, b), side(b, c), side(c, a)}),
-                           high = std::max({side(a, b), side(b, c), side(c, a)});
-        if (hmesh::kit::is_in_triangle(a, b, c, d) != (low >= 0 || high <= 0)) FAIL("triangle");
-    }
-    CHECK(hmesh::kit::is_in_triangle({0, 0}, {4, 4}, {2, 2}, {3, 3}));
-    CHECK_FALSE(hmesh::kit::is_in_triangle({0, 0}, {4, 4}, {2, 2}, {5, 5}));
 }

@@ -24,15 +24,6 @@ Mask mask_of(const std::vector<std::string>& rows) {
     return mask;
 }
 
-hmesh_test::UnitLoops loops_of(const Contours& contours) {
-    hmesh_test::UnitLoops loops;
-    for (const Loop& loop : contours.loops) {
-        loops.emplace_back();
-        for (const GridPoint p : loop) loops.back().push_back({p.x, p.y});
-    }
-    return loops;
-}
-
 }  // namespace
 
 TEST_CASE("a border runs clockwise on the screen from its upper left corner, and that of a hole the other way") {
@@ -72,7 +63,7 @@ TEST_CASE("what grown pixels cover is what is inside, whatever mask and margin; 
         CAPTURE(round);
         CAPTURE(margin);
         const Contours contours = contours_of(mask, margin, true);
-        const auto loops = loops_of(contours);
+        const auto loops = hmesh_test::unit_loops(contours.loops);
         const auto counts = [&](int x, int y) { return image.pixel(x, y)[1] > 0; };
         CHECK(hmesh_test::flaw_of_loops(loops, width, height, margin, counts) == "");
         double area = 0;

@@ -14,6 +14,7 @@
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/outline/contour.hpp"
 
 namespace hmesh_test {
 
@@ -59,6 +60,13 @@ inline AlphaImage some_silhouette(int kind, int width, int height, hmesh::kit::R
     });
 }
 
+// The pixels of a picture that are not transparent.
+inline hmesh::kit::Mask mask_of(const AlphaImage& image) {
+    hmesh::kit::Mask mask{image.width(), image.height(), {}};
+    for (std::size_t k = 1; k < image.size(); k += 2) mask.pixels.push_back(image.data()[k]);
+    return mask;
+}
+
 struct UnitPoint {
     std::int64_t x = 0, y = 0;  // 1/256 px
     friend bool operator==(UnitPoint a, UnitPoint b) { return a.x == b.x && a.y == b.y; }
@@ -95,6 +103,15 @@ inline bool touch(UnitPoint a, UnitPoint b, UnitPoint c, UnitPoint d) {
 }
 
 using UnitLoops = std::vector<std::vector<UnitPoint>>;
+
+inline UnitLoops unit_loops(const std::vector<hmesh::kit::Loop>& loops) {
+    UnitLoops out;
+    for (const hmesh::kit::Loop& loop : loops) {
+        out.emplace_back();
+        for (const hmesh::kit::GridPoint p : loop) out.back().push_back({p.x, p.y});
+    }
+    return out;
+}
 
 // By counting sides that are crossed on the way to the right.
 inline bool is_within(const UnitLoops& loops, UnitPoint p) {

@@ -31,6 +31,7 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/outline/contour.hpp"
 #include "hmesh/outline/covering.hpp"
+#include "hmesh/outline/grid_geometry.hpp"
 #include "hmesh/outline/triangulate.hpp"
 
 #include "hmesh/core/macros/push.hpp"

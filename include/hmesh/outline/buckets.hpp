@@ -10,27 +10,11 @@
 #include <vector>
 
 #include "hmesh/outline/contour.hpp"
+#include "hmesh/outline/grid_geometry.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
-
-/// A rectangle of the plane in units, its border included.
-struct GridBox {
-    std::int32_t left = 0,  ///< least x
-        top = 0,            ///< least y
-        right = 0,          ///< largest x
-        bottom = 0;         ///< largest y
-
-    /// The least box around a point.
-    explicit GridBox(GridPoint p) noexcept : left(p.x), top(p.y), right(p.x), bottom(p.y) {}
-    /// Grows it to hold another one.
-    GridBox& add(GridPoint p) noexcept {
-        left = std::min(left, p.x), right = std::max(right, p.x);
-        top = std::min(top, p.y), bottom = std::max(bottom, p.y);
-        return *this;
-    }
-};
 
 /// Numbers of sides or points in the squares that they touch. Adding and removing takes as long as a side is in squares.
 class Buckets {
@@ -98,33 +82,6 @@ class Buckets {
     std::size_t columns_ = 1, rows_ = 1;
     std::vector<std::vector<std::uint32_t>> squares_;
 };
-
-/// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
-[[nodiscard]] inline bool do_segments_meet(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    if (std::max(a.x, b.x) < std::min(c.x, d.x) || std::max(c.x, d.x) < std::min(a.x, b.x) ||
-        std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
-        return false;
-    const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
-    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
-}
-
-/// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
-[[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
-    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
-}
-
-/// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
-/// but its longest side.
-[[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
-    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
-    if (ab == 0 && bc == 0 && ca == 0) {
-        GridBox box(a);
-        box.add(b).add(c);
-        return p.x >= box.left && p.x <= box.right && p.y >= box.top && p.y <= box.bottom;
-    }
-    return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
-}
 
 }  // namespace hmesh::kit
 

@@ -19,6 +19,7 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/outline/buckets.hpp"
 #include "hmesh/outline/contour.hpp"
+#include "hmesh/outline/grid_geometry.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
