@@ -75,6 +75,7 @@ struct GridBox {
     points.erase(std::unique(points.begin(), points.end()), points.end());
     if (points.size() < 3) return points;
     Loop hull;
+    hull.reserve(points.size() + 1);
     for (int pass = 0; pass < 2; ++pass) {
         const std::size_t start = hull.size();
         for (const GridPoint p : points) {
