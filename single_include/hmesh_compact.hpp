@@ -130,7 +130,7 @@ class ArithmeticCoder {
 /// Exact plane geometry in whole numbers: orientation, circles, angles.
 ///
 /// Coordinates are in steps of 1/256 px and differ by at most 2^25. Nothing here rounds, so that every machine decides alike; a
-/// triangle (a, b, c) is positive if orientation(a, b, c) > 0, which looks clockwise on the screen as y runs down.
+/// triangle (a, b, c) is positive if orient2d(a, b, c) > 0, which looks clockwise on the screen as y runs down.
 #ifndef HMESH_IO_COMPACT_PLANE_HPP
 #define HMESH_IO_COMPACT_PLANE_HPP
 
@@ -141,17 +141,9 @@ class ArithmeticCoder {
 
 namespace hmesh::detail {
 
-/// A point with whole coordinates.
-struct GridPoint {
-    std::int32_t x = 0,                                                                                       ///< to the right
-        y = 0;                                                                                                ///< down
-    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< at one place
-};
+using kit::GridPoint;
+using kit::orient2d;
 
-/// Twice the signed area of (a, b, c): at most 2^51.
-[[nodiscard]] constexpr std::int64_t orientation(GridPoint a, GridPoint b, GridPoint c) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
-}
 /// The scalar product of the ways from p to a and from p to b.
 [[nodiscard]] constexpr std::int64_t scalar_product(GridPoint p, GridPoint a, GridPoint b) noexcept {
     return (std::int64_t{a.x} - p.x) * (std::int64_t{b.x} - p.x) + (std::int64_t{a.y} - p.y) * (std::int64_t{b.y} - p.y);
@@ -185,7 +177,7 @@ struct GridPoint {
             while (table[q] < cotangents.size() && cotangents[table[q]] > static_cast<int>(q)) ++table[q];
         return table;
     }();
-    const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
+    const std::int64_t product = scalar_product(p, a, b), area = orient2d(p, a, b);
     const auto size = static_cast<std::uint64_t>(64 * (product < 0 ? -product : product)),
                unit = static_cast<std::uint64_t>(area);
     // A cotangent is above a fraction where it is above its whole part, and above none where that is 1304 or more. Of short edges
@@ -267,7 +259,7 @@ class Triangulation {
     /// The third corner of the triangle to the left of an edge, or none beside the border.
     [[nodiscard]] Index apex(Index e) const noexcept {
         const Index c = to(next(e));
-        return orientation(point(from(e)), point(to(e)), point(c)) > 0 ? c : none;
+        return orient2d(point(from(e)), point(to(e)), point(c)) > 0 ? c : none;
     }
     /// The edge from a to b, or none. O(the smaller of their degrees).
     [[nodiscard]] Index find(Index a, Index b) const noexcept {
@@ -286,8 +278,8 @@ class Triangulation {
     [[nodiscard]] Quadrilateral around(Index e) const noexcept { return {from(e), to(e), apex(e), apex(opposite(e))}; }
     /// Whether the other diagonal lies inside, so that the edge can be flipped.
     [[nodiscard]] bool is_convex(const Quadrilateral& q) const noexcept {
-        return q.c != none && q.d != none && orientation(point(q.a), point(q.d), point(q.c)) > 0 &&
-               orientation(point(q.d), point(q.b), point(q.c)) > 0;
+        return q.c != none && q.d != none && orient2d(point(q.a), point(q.d), point(q.c)) > 0 &&
+               orient2d(point(q.d), point(q.b), point(q.c)) > 0;
     }
     /// Makes the edge from a to b, of a convex quadrilateral, the one from d to c.
     void flip(Index e) noexcept {
@@ -359,9 +351,7 @@ class Triangulation {
 
     // --- the Delaunay triangulation ---
 
-    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept {
-        return orientation(point(v), point(from(e)), point(to(e)));
-    }
+    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept { return orient2d(point(v), point(from(e)), point(to(e))); }
     [[nodiscard]] bool is_inside(Index a, Index b, Index c, Index d) const noexcept {
         if (d == a || d == b || d == c) return false;
         const int sign = in_circle_sign(point(a), point(b), point(c), point(d));
@@ -369,9 +359,9 @@ class Triangulation {
         // The first of the four is a trifle lower than it was, in the paraboloid over the plane.
         const Index first = std::min(std::min(a, b), std::min(c, d));
         if (first == d) return true;
-        if (first == a) return orientation(point(d), point(b), point(c)) < 0;
-        if (first == b) return orientation(point(a), point(d), point(c)) < 0;
-        return orientation(point(a), point(b), point(d)) < 0;
+        if (first == a) return orient2d(point(d), point(b), point(c)) < 0;
+        if (first == b) return orient2d(point(a), point(d), point(c)) < 0;
+        return orient2d(point(a), point(b), point(d)) < 0;
     }
 
     // The codes by which points are ordered from left to right or, turned by a quarter, from the top down.
@@ -419,7 +409,7 @@ class Triangulation {
         if (n == 3) {
             const Index a = make(order[0], order[1]), b = make(order[1], order[2]);
             put_after(b, opposite(a), order[1]);
-            const std::int64_t turn = orientation(point(order[0]), point(order[1]), point(order[2]));
+            const std::int64_t turn = orient2d(point(order[0]), point(order[1]), point(order[2]));
             if (turn == 0) return {a, opposite(b)};
             const Index c = connect(b, a);
             if (turn > 0) return {a, opposite(b)};
@@ -469,7 +459,7 @@ class Triangulation {
     // The next edge around the face to the left.
     [[nodiscard]] Index following(Index e) const noexcept { return previous(opposite(e)); }
     [[nodiscard]] bool is_above(Index e, Index base) const noexcept {
-        return orientation(point(to(e)), point(to(base)), point(from(base))) > 0;
+        return orient2d(point(to(e)), point(to(base)), point(from(base))) > 0;
     }
 
     const std::vector<GridPoint>* points_;
@@ -481,7 +471,7 @@ class Triangulation {
 /// Twice the area of the triangle that an edge is a side of; beyond the border 0.
 [[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
     const Triangulation::Index c = mesh.apex(e);
-    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+    return c == Triangulation::none ? 0 : orient2d(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
 }
 /// Twice the area of the triangles around a point.
 [[nodiscard]] inline std::int64_t area_around(const Triangulation& mesh, Triangulation::Index v) {
@@ -2369,7 +2359,7 @@ class FlipFinder {
         rounds_.set(*mesh_, o, round);
     }
     [[nodiscard]] std::int64_t side(std::array<Index, 2> edge, Index v) const noexcept {
-        return orientation(mesh_->point(edge[0]), mesh_->point(edge[1]), mesh_->point(v));
+        return orient2d(mesh_->point(edge[0]), mesh_->point(edge[1]), mesh_->point(v));
     }
     [[nodiscard]] bool does_cross(std::array<Index, 2> edge, Index e) const noexcept {
         const Index a = mesh_->from(e), b = mesh_->to(e);
@@ -2830,7 +2820,7 @@ class CompactWriter {
     [[nodiscard]] Status move_to_lattice() {
         if (head_.periodic != Periodic::none)
             return {Errc::invalid_argument, "periodic meshes are not moved to a lattice", head_.step, 0};
-        const auto area = [&](const Triangle& face) { return orientation(places_[face[0]], places_[face[1]], places_[face[2]]); };
+        const auto area = [&](const Triangle& face) { return orient2d(places_[face[0]], places_[face[1]], places_[face[2]]); };
         std::vector<std::vector<std::uint32_t>> faces_at(places_.size());
         for (std::size_t f = 0; f < mesh_->face_count; ++f) {
             if (area(mesh_->faces[f]) <= 0)
@@ -2929,7 +2919,7 @@ class CompactWriter {
         std::vector<bool> is_corner(points.size(), false);
         for (std::size_t f = 0; f < faces.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) faces[f][k] = point_of_[mesh_->faces[f][k]];
-            if (orientation(points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]) <= 0)
+            if (orient2d(points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]) <= 0)
                 return {Errc::invalid_argument, "a compact file holds faces that are positively oriented, not face",
                         static_cast<std::int64_t>(f)};
             std::rotate(faces[f].begin(), std::min_element(faces[f].begin(), faces[f].end()), faces[f].end());

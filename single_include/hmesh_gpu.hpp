@@ -1173,7 +1173,7 @@ inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink
 /// Contours: the border of the pixels of a mask, each grown by a margin, as polygons with right angles.
 ///
 /// Coordinates are whole numbers of 1/256 px, so that all that is asked of them is exact: products of differences stay below
-/// 2^52. A contour has its inside where orient() is positive: outer borders run clockwise on the screen, those of holes the other
+/// 2^52. A contour has its inside where orient2d() is positive: outer borders run clockwise on the screen, holes the other
 /// way. No two contours meet, nor does one meet itself: where pixels touch at a corner alone, the corner is filled.
 /// Cost: O(pixels), 2 to 5 bytes each.
 #ifndef HMESH_OUTLINE_CONTOUR_HPP
@@ -1188,29 +1188,16 @@ inline Status write_textured_glb(const MeshView& mesh, const char* texture, Sink
 
 namespace hmesh::kit {
 
-/// A point in units of 1/256 px, y down; both in [0, 2^24].
-struct GridPoint {
-    std::int32_t x = 0,                                                                                       ///< from the left
-        y = 0;                                                                                                ///< from the top
-    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same place
-    friend constexpr bool operator!=(GridPoint a, GridPoint b) noexcept { return !(a == b); }                 ///< other place
-};
-
-/// Units a px.
+/// Units a px, of which points have whole numbers in [0, 2^24], y down.
 inline constexpr int units_per_px = 256;
 
 /// A closed polygon: its corners in order, the first not repeated.
 using Loop = std::vector<GridPoint>;
 
-/// Twice the signed area of the triangle (a, b, c) in square units, exact: > 0 where it is clockwise on the screen.
-[[nodiscard]] constexpr std::int64_t orient(GridPoint a, GridPoint b, GridPoint c) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
-}
-
 /// Twice the signed area of a polygon in square units: > 0 of outer borders, < 0 of holes.
 [[nodiscard]] inline std::int64_t double_area(const Loop& loop) noexcept {
     std::int64_t sum = 0;
-    for (std::size_t i = 2; i < loop.size(); ++i) sum += orient(loop[0], loop[i - 1], loop[i]);
+    for (std::size_t i = 2; i < loop.size(); ++i) sum += orient2d(loop[0], loop[i - 1], loop[i]);
     return sum;
 }
 
@@ -1220,7 +1207,7 @@ using Loop = std::vector<GridPoint>;
     for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
         const bool up = loop[i].y > p.y, before = loop[j].y > p.y;
         if (up == before) continue;
-        const std::int64_t side = orient(loop[j], loop[i], p);
+        const std::int64_t side = orient2d(loop[j], loop[i], p);
         if (up ? side > 0 : side < 0) is_in = !is_in;
     }
     return is_in;
@@ -1471,7 +1458,7 @@ struct GridBox {
 
 /// Twice the signed area of the quadrilateral (a, b, c, d) in square units, exact.
 [[nodiscard]] constexpr std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    return orient(a, b, c) + orient(a, c, d);
+    return orient2d(a, b, c) + orient2d(a, c, d);
 }
 
 /// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
@@ -1480,19 +1467,19 @@ struct GridBox {
         std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
         return false;
     const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
-    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
+    return sign(orient2d(a, b, c)) * sign(orient2d(a, b, d)) <= 0 && sign(orient2d(c, d, a)) * sign(orient2d(c, d, b)) <= 0;
 }
 
 /// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
 [[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
     const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
-    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
+    return differ(orient2d(a, b, c), orient2d(a, b, d)) && differ(orient2d(c, d, a), orient2d(c, d, b));
 }
 
 /// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
 /// but its longest side.
 [[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
-    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
+    const std::int64_t ab = orient2d(a, b, p), bc = orient2d(b, c, p), ca = orient2d(c, a, p);
     if (ab == 0 && bc == 0 && ca == 0) return GridBox(a).add(b).add(c).has(p);
     return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
@@ -1507,7 +1494,7 @@ struct GridBox {
     for (int pass = 0; pass < 2; ++pass) {
         const std::size_t start = hull.size();
         for (const GridPoint p : points) {
-            while (hull.size() >= start + 2 && orient(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+            while (hull.size() >= start + 2 && orient2d(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
             hull.push_back(p);
         }
         hull.pop_back();
@@ -1778,7 +1765,7 @@ class Polygons {
             if (!begins && !ends) return !do_segments_meet(p, q, at_[s], at_[t]);
             // They share an end, and must not run along each other.
             const GridPoint shared = (begins ? s : t) == a.corner ? p : q, own = shared == p ? q : p, other = at_[begins ? t : s];
-            return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
+            return orient2d(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
         });
     }
 
@@ -1799,7 +1786,7 @@ class Polygons {
         const std::uint32_t before = previous_[v], after = next_[v];
         sides_.remove(before, at_[before], at_[v]);
         sides_.remove(v, at_[v], at_[after]);
-        grow(loop_of_[v], -orient(at_[before], at_[v], at_[after]));
+        grow(loop_of_[v], -orient2d(at_[before], at_[v], at_[after]));
         take_out(v, before);
         to_[before] = to_[v];
         sides_.add(before, at_[before], at_[after]);
@@ -1809,7 +1796,7 @@ class Polygons {
     void remove_side(std::uint32_t v, GridPoint meeting) {
         const ThreeSides s = three_sides(v);
         forget_sides(s);
-        grow(loop_of_[v], orient(s.a, meeting, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
+        grow(loop_of_[v], orient2d(s.a, meeting, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
         // The contour between the side's ends is shared out where it is farthest out.
         const std::uint32_t split = farthest(v, s.a, s.d);
         to_[s.before] = split, from_[v] = split, to_[v] = to_[s.to];
@@ -1882,7 +1869,7 @@ class Polygons {
     [[nodiscard]] std::uint32_t farthest(std::uint32_t side, GridPoint a, GridPoint b) const {
         std::uint32_t best = from_[side];
         walk_contour(side, [&](std::uint32_t i) {
-            if (orient(a, b, contour_[i]) < orient(a, b, contour_[best])) best = i;
+            if (orient2d(a, b, contour_[i]) < orient2d(a, b, contour_[best])) best = i;
         });
         return best;
     }
@@ -1956,23 +1943,23 @@ struct Removal {
     const double share = ((static_cast<double>(s.c.x) - s.b.x) * vy - (static_cast<double>(s.c.y) - s.b.y) * vx) / across;
     return nearest_point(
         {s.b.x + share * ux, s.b.y + share * uy}, image,
-        [&](GridPoint p) { return orient(s.a, p, s.b) >= 0 && orient(p, s.d, s.c) >= 0; },
-        [&](GridPoint p) { return static_cast<double>(orient(s.a, p, s.d)); });
+        [&](GridPoint p) { return orient2d(s.a, p, s.b) >= 0 && orient2d(p, s.d, s.c) >= 0; },
+        [&](GridPoint p) { return static_cast<double>(orient2d(s.a, p, s.d)); });
 }
 
 /// What it would be to remove the corner v or the side from it on, of a loop of more than three, whatever is in the way.
 [[nodiscard]] inline Removal removal_of(const Polygons& polygons, std::uint32_t v) {
     const ThreeSides s = polygons.three_sides(v);
     Removal out;
-    if (const std::int64_t turn = orient(s.a, s.b, s.c); turn <= 0) {
+    if (const std::int64_t turn = orient2d(s.a, s.b, s.c); turn <= 0) {
         out.kind = Removal::Kind::corner;
         out.added = -turn;
-    } else if (orient(s.b, s.c, s.d) > 0) {
+    } else if (orient2d(s.b, s.c, s.d) > 0) {
         const std::optional<GridPoint> meeting = find_meeting(s, polygons.image());
         if (!meeting) return out;
         out.kind = Removal::Kind::side;
         out.meeting = *meeting;
-        out.added = orient(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
+        out.added = orient2d(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
     }
     return out;
 }
@@ -2226,8 +2213,8 @@ struct GridSide {
     Loop points;
     const auto gather = [&](std::uint32_t side) { polygons.along_contour(side, [&](GridPoint p) { points.push_back(p); }); };
     gather(s.from);
-    if (orient(s.a, s.b, s.c) > 0) gather(s.before);
-    if (orient(s.b, s.c, s.d) > 0) gather(s.to);
+    if (orient2d(s.a, s.b, s.c) > 0) gather(s.before);
+    if (orient2d(s.b, s.c, s.d) > 0) gather(s.to);
     return convex_hull(std::move(points));
 }
 
@@ -2298,11 +2285,11 @@ class BestLine {
     const auto is_outside = [&](GridPoint g) { return (q.x - p.x) * (g.y - p.y) - (g.x - p.x) * (q.y - p.y) <= slack; };
     const auto squared = [](GridPoint g, RealPoint r) { return (g.x - r.x) * (g.x - r.x) + (g.y - r.y) * (g.y - r.y); };
     const std::optional<GridPoint> b = nearest_point(
-        p, image, [&](GridPoint g) { return orient(s.a, s.b, g) <= 0 && is_outside(g); },
+        p, image, [&](GridPoint g) { return orient2d(s.a, s.b, g) <= 0 && is_outside(g); },
         [&](GridPoint g) { return squared(g, p); });
     if (!b) return {};
     const std::optional<GridPoint> c = nearest_point(
-        q, image, [&](GridPoint g) { return orient(s.c, s.d, g) <= 0 && is_outside(g); },
+        q, image, [&](GridPoint g) { return orient2d(s.c, s.d, g) <= 0 && is_outside(g); },
         [&](GridPoint g) { return squared(g, q); });
     if (!c) return {};
     return GridSide{*b, *c};
@@ -2314,13 +2301,13 @@ class BestLine {
     // Lines turned past the next corner fold over.
     if (along(s.a, s.a, s.b, to.b) <= 0 || along(s.d, s.d, s.c, to.c) <= 0) return true;
     if (s.before == s.last) {  // a triangle, which stays border or hole
-        const std::int64_t turn_of_all = orient(s.a, to.b, to.c);
+        const std::int64_t turn_of_all = orient2d(s.a, to.b, to.c);
         if (turn_of_all == 0 || (turn_of_all > 0) == polygons.is_hole(polygons.loop_of(s.from))) return true;
     } else if (do_segments_meet(s.a, to.b, to.c, s.d)) {
         return true;
     }
     const auto turns_back = [](GridPoint u, GridPoint at, GridPoint w) {
-        return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
+        return orient2d(u, at, w) == 0 && along(at, at, u, w) > 0;
     };
     return turns_back(s.a, to.b, to.c) || turns_back(to.b, to.c, s.d);
 }
@@ -2354,15 +2341,15 @@ template <class MayBe>
 [[nodiscard]] inline bool is_all_inside(const Polygons& polygons, const ThreeSides& s, const GridSide& to) {
     // Outside of the new side and, where a corner that is not convex moves on along its other side, of that; but for what is
     // beside that which is left of the others.
-    const bool cuts_first = orient(s.a, s.b, s.c) < 0 && along(s.b, s.a, s.b, to.b) > 0;
-    const bool cuts_last = orient(s.b, s.c, s.d) < 0 && along(s.c, s.d, s.c, to.c) > 0;
+    const bool cuts_first = orient2d(s.a, s.b, s.c) < 0 && along(s.b, s.a, s.b, to.b) > 0;
+    const bool cuts_last = orient2d(s.b, s.c, s.d) < 0 && along(s.c, s.d, s.c, to.c) > 0;
     // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
     if ((cuts_first || cuts_last) && (is_contour_crossed(polygons, s.b, to.b) || is_contour_crossed(polygons, to.b, to.c) ||
                                       is_contour_crossed(polygons, to.c, s.c)))
         return false;
     const auto stays = [&](GridPoint p) {
-        return orient(to.b, to.c, p) >= 0 && (!cuts_first || orient(s.a, to.b, p) >= 0) &&
-               (!cuts_last || orient(to.c, s.d, p) >= 0);
+        return orient2d(to.b, to.c, p) >= 0 && (!cuts_first || orient2d(s.a, to.b, p) >= 0) &&
+               (!cuts_last || orient2d(to.c, s.d, p) >= 0);
     };
     const auto is_beside_first = [&](GridPoint p) { return stays(p) || along(to.b, s.a, s.b, p) <= 0; };
     const auto is_beside_last = [&](GridPoint p) { return stays(p) || along(to.c, s.d, s.c, p) <= 0; };
@@ -2522,7 +2509,7 @@ class EarRing {
             const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
             ++stamp[n];
             const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
-            if (orient(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
+            if (orient2d(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
         };
         for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
             buckets.add(n, places[n], places[n]);
@@ -2587,8 +2574,8 @@ class EarRing {
     // Whether the way from a node to p begins inside.
     [[nodiscard]] bool is_open(std::uint32_t n, GridPoint p) const noexcept {
         const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
-        const bool after_first = orient(a, b, p) > 0, before_second = orient(b, c, p) > 0;
-        return orient(a, b, c) > 0 ? after_first && before_second : after_first || before_second;
+        const bool after_first = orient2d(a, b, p) > 0, before_second = orient2d(b, c, p) > 0;
+        return orient2d(a, b, c) > 0 ? after_first && before_second : after_first || before_second;
     }
     // Whether no side is between two nodes.
     [[nodiscard]] bool is_seen(std::uint32_t n, std::uint32_t from,

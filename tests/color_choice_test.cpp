@@ -32,7 +32,7 @@ double energy(const Triangulation& mesh, const std::vector<double>& off) {
         if (!mesh.is_edge(e) || mesh.apex(e) == Triangulation::none) continue;
         const Triangulation::Index a = mesh.from(e), b = mesh.to(e), c = mesh.apex(e);
         if (a > b || a > c) continue;  // each triangle once
-        const auto area = static_cast<double>(orientation(mesh.point(a), mesh.point(b), mesh.point(c)));
+        const auto area = static_cast<double>(orient2d(mesh.point(a), mesh.point(b), mesh.point(c)));
         const double all = off[a] + off[b] + off[c];
         sum += area * (all * all + off[a] * off[a] + off[b] * off[b] + off[c] * off[c]);
     }

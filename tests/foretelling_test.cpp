@@ -45,7 +45,7 @@ struct Reference {
         std::int64_t area = 0;
         for (const auto& f : faces)
             if (std::count(f.begin(), f.end(), u) + std::count(f.begin(), f.end(), v) == 2)
-                area += hmesh::detail::orientation(points[f[0]], points[f[1]], points[f[2]]);
+                area += hmesh::detail::orient2d(points[f[0]], points[f[1]], points[f[2]]);
         return area == 0 ? 0 : area / (numbers.frame_area / 536870912 + 1) + 1;
     }
     struct Neighbor {

@@ -73,7 +73,7 @@ TEST_CASE("snap goes to the nearest multiple of 1/256 px and keeps those that ar
 }
 
 TEST_CASE("orient2d is exact on the 1/256 px grid, turns sign with the orientation, and is positive clockwise on the screen") {
-    CHECK(hmesh::kit::orient2d({0, 0}, {1, 0}, {0, 1}) == 1);
+    CHECK(hmesh::kit::orient2d(Point{0, 0}, {1, 0}, {0, 1}) == 1);
     Random random(6);
     const std::int64_t side = 1 << 24;
     int wrong = 0;

@@ -34,7 +34,7 @@ TEST_CASE("segments meet and points are in triangles as whole numbers say, ends 
         const bool apart = (turn(a, b, c) > 0) != (turn(a, b, d) > 0) && (turn(c, d, a) > 0) != (turn(c, d, b) > 0);
         const bool at_end = turn(a, b, c) == 0 || turn(a, b, d) == 0 || turn(c, d, a) == 0 || turn(c, d, b) == 0;
         if (hmesh::kit::do_segments_cross(a, b, c, d) != (apart && !at_end)) FAIL("crossing");
-        if (hmesh::kit::orient(a, b, c) == 0) continue;
+        if (hmesh::kit::orient2d(a, b, c) == 0) continue;
         const auto side = [&](GridPoint p, GridPoint q) { return hmesh_test::turn_of(wide(p), wide(q), wide(d)); };
         const std::int64_t low = std::min({side(a, b), side(b, c), side(c, a)}),
                            high = std::max({side(a, b), side(b, c), side(c, a)});
@@ -55,8 +55,8 @@ TEST_CASE("the hull of points is convex, clockwise on the screen, and has them a
         if (hull.size() < 3) continue;
         for (std::size_t i = 0; i < hull.size(); ++i) {
             const GridPoint a = hull[i], b = hull[(i + 1) % hull.size()], c = hull[(i + 2) % hull.size()];
-            CHECK(hmesh::kit::orient(a, b, c) > 0);
-            for (const GridPoint p : points) CHECK(hmesh::kit::orient(a, b, p) >= 0);
+            CHECK(hmesh::kit::orient2d(a, b, c) > 0);
+            for (const GridPoint p : points) CHECK(hmesh::kit::orient2d(a, b, p) >= 0);
         }
     }
     CHECK(hmesh::kit::convex_hull({{1, 1}, {1, 1}}).size() == 1);

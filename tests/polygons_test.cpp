@@ -111,7 +111,7 @@ TEST_CASE("a side is free if it meets no other but at its ends, and does not run
                     expected = expected && !hmesh_test::touch(wide(p), wide(q), wide(polygons.at(s)), wide(polygons.at(t)));
                 } else {  // The farther end of one must not be on the other.
                     const std::uint32_t shared = begins ? s : t, other = begins ? t : s, own = shared == a ? b : a;
-                    const auto turn = hmesh::kit::orient(polygons.at(shared), polygons.at(own), polygons.at(other));
+                    const auto turn = hmesh::kit::orient2d(polygons.at(shared), polygons.at(own), polygons.at(other));
                     const std::int64_t x = std::int64_t{polygons.at(own).x - polygons.at(shared).x} *
                                            (polygons.at(other).x - polygons.at(shared).x),
                                        y = std::int64_t{polygons.at(own).y - polygons.at(shared).y} *

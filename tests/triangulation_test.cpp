@@ -55,8 +55,8 @@ TEST_CASE("no point lies in a circle, and of those on one the first is joined to
         std::int64_t area = 0;
         for (const hmesh::Triangle& face : all_faces(mesh)) {
             const GridPoint a = points[face[0]], b = points[face[1]], c = points[face[2]];
-            CHECK(orientation(a, b, c) > 0);
-            area += orientation(a, b, c);
+            CHECK(orient2d(a, b, c) > 0);
+            area += orient2d(a, b, c);
             for (std::uint32_t v = 0; v < points.size(); ++v) {
                 if (v == face[0] || v == face[1] || v == face[2]) continue;
                 const int place = in_circle_by_rows(a, b, c, points[v]);
@@ -79,7 +79,7 @@ TEST_CASE("circles are told exactly at any size") {
     for (int k = 0; k < 2000; ++k) {
         std::array<GridPoint, 4> p{};
         for (GridPoint& q : p) q = {static_cast<std::int32_t>(random.below(99)), static_cast<std::int32_t>(random.below(99))};
-        if (orientation(p[0], p[1], p[2]) <= 0) continue;
+        if (orient2d(p[0], p[1], p[2]) <= 0) continue;
         CHECK(hmesh::detail::in_circle_sign(p[0], p[1], p[2], p[3]) == in_circle_by_rows(p[0], p[1], p[2], p[3]));
     }
 }

@@ -70,6 +70,18 @@ inline constexpr double grid_steps = 256;
     return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
 }
 
+/// A point with whole coordinates, such as steps of the grid of 1/256 px.
+struct GridPoint {
+    std::int32_t x = 0,                                                                                       ///< to the right
+        y = 0;                                                                                                ///< down
+    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same place
+    friend constexpr bool operator!=(GridPoint a, GridPoint b) noexcept { return !(a == b); }                 ///< other place
+};
+/// Twice the signed area of the triangle (a, b, c), exact for coordinates that differ by less than 2^30.
+[[nodiscard]] constexpr std::int64_t orient2d(GridPoint a, GridPoint b, GridPoint c) noexcept {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
+}
+
 namespace detail {
 
 /// The sign of a0 b0 + a1 b1 + a2 b2 for |a|, |b| <= 2^51. In digits of 26 bits no product and no sum leaves 64 bits.

@@ -2,7 +2,7 @@
 /// Contours: the border of the pixels of a mask, each grown by a margin, as polygons with right angles.
 ///
 /// Coordinates are whole numbers of 1/256 px, so that all that is asked of them is exact: products of differences stay below
-/// 2^52. A contour has its inside where orient() is positive: outer borders run clockwise on the screen, those of holes the other
+/// 2^52. A contour has its inside where orient2d() is positive: outer borders run clockwise on the screen, holes the other
 /// way. No two contours meet, nor does one meet itself: where pixels touch at a corner alone, the corner is filled.
 /// Cost: O(pixels), 2 to 5 bytes each.
 #ifndef HMESH_OUTLINE_CONTOUR_HPP
@@ -15,33 +15,22 @@
 #include <cstdlib>
 #include <vector>
 
+#include "hmesh/mesh/geometry.hpp"
+
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh::kit {
 
-/// A point in units of 1/256 px, y down; both in [0, 2^24].
-struct GridPoint {
-    std::int32_t x = 0,                                                                                       ///< from the left
-        y = 0;                                                                                                ///< from the top
-    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< same place
-    friend constexpr bool operator!=(GridPoint a, GridPoint b) noexcept { return !(a == b); }                 ///< other place
-};
-
-/// Units a px.
+/// Units a px, of which points have whole numbers in [0, 2^24], y down.
 inline constexpr int units_per_px = 256;
 
 /// A closed polygon: its corners in order, the first not repeated.
 using Loop = std::vector<GridPoint>;
 
-/// Twice the signed area of the triangle (a, b, c) in square units, exact: > 0 where it is clockwise on the screen.
-[[nodiscard]] constexpr std::int64_t orient(GridPoint a, GridPoint b, GridPoint c) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
-}
-
 /// Twice the signed area of a polygon in square units: > 0 of outer borders, < 0 of holes.
 [[nodiscard]] inline std::int64_t double_area(const Loop& loop) noexcept {
     std::int64_t sum = 0;
-    for (std::size_t i = 2; i < loop.size(); ++i) sum += orient(loop[0], loop[i - 1], loop[i]);
+    for (std::size_t i = 2; i < loop.size(); ++i) sum += orient2d(loop[0], loop[i - 1], loop[i]);
     return sum;
 }
 
@@ -51,7 +40,7 @@ using Loop = std::vector<GridPoint>;
     for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
         const bool up = loop[i].y > p.y, before = loop[j].y > p.y;
         if (up == before) continue;
-        const std::int64_t side = orient(loop[j], loop[i], p);
+        const std::int64_t side = orient2d(loop[j], loop[i], p);
         if (up ? side > 0 : side < 0) is_in = !is_in;
     }
     return is_in;

@@ -43,7 +43,7 @@ struct GridBox {
 
 /// Twice the signed area of the quadrilateral (a, b, c, d) in square units, exact.
 [[nodiscard]] constexpr std::int64_t double_area(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
-    return orient(a, b, c) + orient(a, c, d);
+    return orient2d(a, b, c) + orient2d(a, c, d);
 }
 
 /// Whether the segments from a to b and from c to d have a point in common, their ends included. Exact.
@@ -52,19 +52,19 @@ struct GridBox {
         std::max(a.y, b.y) < std::min(c.y, d.y) || std::max(c.y, d.y) < std::min(a.y, b.y))
         return false;
     const auto sign = [](std::int64_t x) { return x > 0 ? 1 : x < 0 ? -1 : 0; };
-    return sign(orient(a, b, c)) * sign(orient(a, b, d)) <= 0 && sign(orient(c, d, a)) * sign(orient(c, d, b)) <= 0;
+    return sign(orient2d(a, b, c)) * sign(orient2d(a, b, d)) <= 0 && sign(orient2d(c, d, a)) * sign(orient2d(c, d, b)) <= 0;
 }
 
 /// Whether the segments from a to b and from c to d cross each other at a point that is no end of either. Exact.
 [[nodiscard]] inline bool do_segments_cross(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
     const auto differ = [](std::int64_t x, std::int64_t y) { return (x > 0 && y < 0) || (x < 0 && y > 0); };
-    return differ(orient(a, b, c), orient(a, b, d)) && differ(orient(c, d, a), orient(c, d, b));
+    return differ(orient2d(a, b, c), orient2d(a, b, d)) && differ(orient2d(c, d, a), orient2d(c, d, b));
 }
 
 /// Whether p is in the triangle (a, b, c), of either orientation, or on its border. Exact; a triangle of no area holds nothing
 /// but its longest side.
 [[nodiscard]] inline bool is_in_triangle(GridPoint a, GridPoint b, GridPoint c, GridPoint p) noexcept {
-    const std::int64_t ab = orient(a, b, p), bc = orient(b, c, p), ca = orient(c, a, p);
+    const std::int64_t ab = orient2d(a, b, p), bc = orient2d(b, c, p), ca = orient2d(c, a, p);
     if (ab == 0 && bc == 0 && ca == 0) return GridBox(a).add(b).add(c).has(p);
     return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
@@ -79,7 +79,7 @@ struct GridBox {
     for (int pass = 0; pass < 2; ++pass) {
         const std::size_t start = hull.size();
         for (const GridPoint p : points) {
-            while (hull.size() >= start + 2 && orient(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
+            while (hull.size() >= start + 2 && orient2d(hull[hull.size() - 2], hull.back(), p) <= 0) hull.pop_back();
             hull.push_back(p);
         }
         hull.pop_back();

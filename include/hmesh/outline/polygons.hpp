@@ -150,7 +150,7 @@ class Polygons {
             if (!begins && !ends) return !do_segments_meet(p, q, at_[s], at_[t]);
             // They share an end, and must not run along each other.
             const GridPoint shared = (begins ? s : t) == a.corner ? p : q, own = shared == p ? q : p, other = at_[begins ? t : s];
-            return orient(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
+            return orient2d(shared, own, other) != 0 || along(shared, shared, own, other) < 0;
         });
     }
 
@@ -171,7 +171,7 @@ class Polygons {
         const std::uint32_t before = previous_[v], after = next_[v];
         sides_.remove(before, at_[before], at_[v]);
         sides_.remove(v, at_[v], at_[after]);
-        grow(loop_of_[v], -orient(at_[before], at_[v], at_[after]));
+        grow(loop_of_[v], -orient2d(at_[before], at_[v], at_[after]));
         take_out(v, before);
         to_[before] = to_[v];
         sides_.add(before, at_[before], at_[after]);
@@ -181,7 +181,7 @@ class Polygons {
     void remove_side(std::uint32_t v, GridPoint meeting) {
         const ThreeSides s = three_sides(v);
         forget_sides(s);
-        grow(loop_of_[v], orient(s.a, meeting, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
+        grow(loop_of_[v], orient2d(s.a, meeting, s.d) - kit::double_area(s.a, s.b, s.c, s.d));
         // The contour between the side's ends is shared out where it is farthest out.
         const std::uint32_t split = farthest(v, s.a, s.d);
         to_[s.before] = split, from_[v] = split, to_[v] = to_[s.to];
@@ -254,7 +254,7 @@ class Polygons {
     [[nodiscard]] std::uint32_t farthest(std::uint32_t side, GridPoint a, GridPoint b) const {
         std::uint32_t best = from_[side];
         walk_contour(side, [&](std::uint32_t i) {
-            if (orient(a, b, contour_[i]) < orient(a, b, contour_[best])) best = i;
+            if (orient2d(a, b, contour_[i]) < orient2d(a, b, contour_[best])) best = i;
         });
         return best;
     }

@@ -56,23 +56,23 @@ struct Removal {
     const double share = ((static_cast<double>(s.c.x) - s.b.x) * vy - (static_cast<double>(s.c.y) - s.b.y) * vx) / across;
     return nearest_point(
         {s.b.x + share * ux, s.b.y + share * uy}, image,
-        [&](GridPoint p) { return orient(s.a, p, s.b) >= 0 && orient(p, s.d, s.c) >= 0; },
-        [&](GridPoint p) { return static_cast<double>(orient(s.a, p, s.d)); });
+        [&](GridPoint p) { return orient2d(s.a, p, s.b) >= 0 && orient2d(p, s.d, s.c) >= 0; },
+        [&](GridPoint p) { return static_cast<double>(orient2d(s.a, p, s.d)); });
 }
 
 /// What it would be to remove the corner v or the side from it on, of a loop of more than three, whatever is in the way.
 [[nodiscard]] inline Removal removal_of(const Polygons& polygons, std::uint32_t v) {
     const ThreeSides s = polygons.three_sides(v);
     Removal out;
-    if (const std::int64_t turn = orient(s.a, s.b, s.c); turn <= 0) {
+    if (const std::int64_t turn = orient2d(s.a, s.b, s.c); turn <= 0) {
         out.kind = Removal::Kind::corner;
         out.added = -turn;
-    } else if (orient(s.b, s.c, s.d) > 0) {
+    } else if (orient2d(s.b, s.c, s.d) > 0) {
         const std::optional<GridPoint> meeting = find_meeting(s, polygons.image());
         if (!meeting) return out;
         out.kind = Removal::Kind::side;
         out.meeting = *meeting;
-        out.added = orient(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
+        out.added = orient2d(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
     }
     return out;
 }

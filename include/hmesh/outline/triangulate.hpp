@@ -77,7 +77,7 @@ class EarRing {
             const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
             ++stamp[n];
             const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
-            if (orient(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
+            if (orient2d(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
         };
         for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
             buckets.add(n, places[n], places[n]);
@@ -142,8 +142,8 @@ class EarRing {
     // Whether the way from a node to p begins inside.
     [[nodiscard]] bool is_open(std::uint32_t n, GridPoint p) const noexcept {
         const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
-        const bool after_first = orient(a, b, p) > 0, before_second = orient(b, c, p) > 0;
-        return orient(a, b, c) > 0 ? after_first && before_second : after_first || before_second;
+        const bool after_first = orient2d(a, b, p) > 0, before_second = orient2d(b, c, p) > 0;
+        return orient2d(a, b, c) > 0 ? after_first && before_second : after_first || before_second;
     }
     // Whether no side is between two nodes.
     [[nodiscard]] bool is_seen(std::uint32_t n, std::uint32_t from,

@@ -66,8 +66,8 @@ struct GridSide {
     Loop points;
     const auto gather = [&](std::uint32_t side) { polygons.along_contour(side, [&](GridPoint p) { points.push_back(p); }); };
     gather(s.from);
-    if (orient(s.a, s.b, s.c) > 0) gather(s.before);
-    if (orient(s.b, s.c, s.d) > 0) gather(s.to);
+    if (orient2d(s.a, s.b, s.c) > 0) gather(s.before);
+    if (orient2d(s.b, s.c, s.d) > 0) gather(s.to);
     return convex_hull(std::move(points));
 }
 
@@ -138,11 +138,11 @@ class BestLine {
     const auto is_outside = [&](GridPoint g) { return (q.x - p.x) * (g.y - p.y) - (g.x - p.x) * (q.y - p.y) <= slack; };
     const auto squared = [](GridPoint g, RealPoint r) { return (g.x - r.x) * (g.x - r.x) + (g.y - r.y) * (g.y - r.y); };
     const std::optional<GridPoint> b = nearest_point(
-        p, image, [&](GridPoint g) { return orient(s.a, s.b, g) <= 0 && is_outside(g); },
+        p, image, [&](GridPoint g) { return orient2d(s.a, s.b, g) <= 0 && is_outside(g); },
         [&](GridPoint g) { return squared(g, p); });
     if (!b) return {};
     const std::optional<GridPoint> c = nearest_point(
-        q, image, [&](GridPoint g) { return orient(s.c, s.d, g) <= 0 && is_outside(g); },
+        q, image, [&](GridPoint g) { return orient2d(s.c, s.d, g) <= 0 && is_outside(g); },
         [&](GridPoint g) { return squared(g, q); });
     if (!c) return {};
     return GridSide{*b, *c};
@@ -154,13 +154,13 @@ class BestLine {
     // Lines turned past the next corner fold over.
     if (along(s.a, s.a, s.b, to.b) <= 0 || along(s.d, s.d, s.c, to.c) <= 0) return true;
     if (s.before == s.last) {  // a triangle, which stays border or hole
-        const std::int64_t turn_of_all = orient(s.a, to.b, to.c);
+        const std::int64_t turn_of_all = orient2d(s.a, to.b, to.c);
         if (turn_of_all == 0 || (turn_of_all > 0) == polygons.is_hole(polygons.loop_of(s.from))) return true;
     } else if (do_segments_meet(s.a, to.b, to.c, s.d)) {
         return true;
     }
     const auto turns_back = [](GridPoint u, GridPoint at, GridPoint w) {
-        return orient(u, at, w) == 0 && along(at, at, u, w) > 0;
+        return orient2d(u, at, w) == 0 && along(at, at, u, w) > 0;
     };
     return turns_back(s.a, to.b, to.c) || turns_back(to.b, to.c, s.d);
 }
@@ -194,15 +194,15 @@ template <class MayBe>
 [[nodiscard]] inline bool is_all_inside(const Polygons& polygons, const ThreeSides& s, const GridSide& to) {
     // Outside of the new side and, where a corner that is not convex moves on along its other side, of that; but for what is
     // beside that which is left of the others.
-    const bool cuts_first = orient(s.a, s.b, s.c) < 0 && along(s.b, s.a, s.b, to.b) > 0;
-    const bool cuts_last = orient(s.b, s.c, s.d) < 0 && along(s.c, s.d, s.c, to.c) > 0;
+    const bool cuts_first = orient2d(s.a, s.b, s.c) < 0 && along(s.b, s.a, s.b, to.b) > 0;
+    const bool cuts_last = orient2d(s.b, s.c, s.d) < 0 && along(s.c, s.d, s.c, to.c) > 0;
     // What moves on so is a tip, into which a side of the contour may run without a corner of its own there.
     if ((cuts_first || cuts_last) && (is_contour_crossed(polygons, s.b, to.b) || is_contour_crossed(polygons, to.b, to.c) ||
                                       is_contour_crossed(polygons, to.c, s.c)))
         return false;
     const auto stays = [&](GridPoint p) {
-        return orient(to.b, to.c, p) >= 0 && (!cuts_first || orient(s.a, to.b, p) >= 0) &&
-               (!cuts_last || orient(to.c, s.d, p) >= 0);
+        return orient2d(to.b, to.c, p) >= 0 && (!cuts_first || orient2d(s.a, to.b, p) >= 0) &&
+               (!cuts_last || orient2d(to.c, s.d, p) >= 0);
     };
     const auto is_beside_first = [&](GridPoint p) { return stays(p) || along(to.b, s.a, s.b, p) <= 0; };
     const auto is_beside_last = [&](GridPoint p) { return stays(p) || along(to.c, s.d, s.c, p) <= 0; };

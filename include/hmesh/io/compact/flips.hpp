@@ -244,7 +244,7 @@ class FlipFinder {
         rounds_.set(*mesh_, o, round);
     }
     [[nodiscard]] std::int64_t side(std::array<Index, 2> edge, Index v) const noexcept {
-        return orientation(mesh_->point(edge[0]), mesh_->point(edge[1]), mesh_->point(v));
+        return orient2d(mesh_->point(edge[0]), mesh_->point(edge[1]), mesh_->point(v));
     }
     [[nodiscard]] bool does_cross(std::array<Index, 2> edge, Index e) const noexcept {
         const Index a = mesh_->from(e), b = mesh_->to(e);

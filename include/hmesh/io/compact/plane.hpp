@@ -2,7 +2,7 @@
 /// Exact plane geometry in whole numbers: orientation, circles, angles.
 ///
 /// Coordinates are in steps of 1/256 px and differ by at most 2^25. Nothing here rounds, so that every machine decides alike; a
-/// triangle (a, b, c) is positive if orientation(a, b, c) > 0, which looks clockwise on the screen as y runs down.
+/// triangle (a, b, c) is positive if orient2d(a, b, c) > 0, which looks clockwise on the screen as y runs down.
 #ifndef HMESH_IO_COMPACT_PLANE_HPP
 #define HMESH_IO_COMPACT_PLANE_HPP
 
@@ -17,17 +17,9 @@
 
 namespace hmesh::detail {
 
-/// A point with whole coordinates.
-struct GridPoint {
-    std::int32_t x = 0,                                                                                       ///< to the right
-        y = 0;                                                                                                ///< down
-    friend constexpr bool operator==(GridPoint a, GridPoint b) noexcept { return a.x == b.x && a.y == b.y; }  ///< at one place
-};
+using kit::GridPoint;
+using kit::orient2d;
 
-/// Twice the signed area of (a, b, c): at most 2^51.
-[[nodiscard]] constexpr std::int64_t orientation(GridPoint a, GridPoint b, GridPoint c) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
-}
 /// The scalar product of the ways from p to a and from p to b.
 [[nodiscard]] constexpr std::int64_t scalar_product(GridPoint p, GridPoint a, GridPoint b) noexcept {
     return (std::int64_t{a.x} - p.x) * (std::int64_t{b.x} - p.x) + (std::int64_t{a.y} - p.y) * (std::int64_t{b.y} - p.y);
@@ -61,7 +53,7 @@ struct GridPoint {
             while (table[q] < cotangents.size() && cotangents[table[q]] > static_cast<int>(q)) ++table[q];
         return table;
     }();
-    const std::int64_t product = scalar_product(p, a, b), area = orientation(p, a, b);
+    const std::int64_t product = scalar_product(p, a, b), area = orient2d(p, a, b);
     const auto size = static_cast<std::uint64_t>(64 * (product < 0 ? -product : product)),
                unit = static_cast<std::uint64_t>(area);
     // A cotangent is above a fraction where it is above its whole part, and above none where that is 1304 or more. Of short edges

@@ -69,7 +69,7 @@ class Triangulation {
     /// The third corner of the triangle to the left of an edge, or none beside the border.
     [[nodiscard]] Index apex(Index e) const noexcept {
         const Index c = to(next(e));
-        return orientation(point(from(e)), point(to(e)), point(c)) > 0 ? c : none;
+        return orient2d(point(from(e)), point(to(e)), point(c)) > 0 ? c : none;
     }
     /// The edge from a to b, or none. O(the smaller of their degrees).
     [[nodiscard]] Index find(Index a, Index b) const noexcept {
@@ -88,8 +88,8 @@ class Triangulation {
     [[nodiscard]] Quadrilateral around(Index e) const noexcept { return {from(e), to(e), apex(e), apex(opposite(e))}; }
     /// Whether the other diagonal lies inside, so that the edge can be flipped.
     [[nodiscard]] bool is_convex(const Quadrilateral& q) const noexcept {
-        return q.c != none && q.d != none && orientation(point(q.a), point(q.d), point(q.c)) > 0 &&
-               orientation(point(q.d), point(q.b), point(q.c)) > 0;
+        return q.c != none && q.d != none && orient2d(point(q.a), point(q.d), point(q.c)) > 0 &&
+               orient2d(point(q.d), point(q.b), point(q.c)) > 0;
     }
     /// Makes the edge from a to b, of a convex quadrilateral, the one from d to c.
     void flip(Index e) noexcept {
@@ -161,9 +161,7 @@ class Triangulation {
 
     // --- the Delaunay triangulation ---
 
-    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept {
-        return orientation(point(v), point(from(e)), point(to(e)));
-    }
+    [[nodiscard]] std::int64_t side(Index v, Index e) const noexcept { return orient2d(point(v), point(from(e)), point(to(e))); }
     [[nodiscard]] bool is_inside(Index a, Index b, Index c, Index d) const noexcept {
         if (d == a || d == b || d == c) return false;
         const int sign = in_circle_sign(point(a), point(b), point(c), point(d));
@@ -171,9 +169,9 @@ class Triangulation {
         // The first of the four is a trifle lower than it was, in the paraboloid over the plane.
         const Index first = std::min(std::min(a, b), std::min(c, d));
         if (first == d) return true;
-        if (first == a) return orientation(point(d), point(b), point(c)) < 0;
-        if (first == b) return orientation(point(a), point(d), point(c)) < 0;
-        return orientation(point(a), point(b), point(d)) < 0;
+        if (first == a) return orient2d(point(d), point(b), point(c)) < 0;
+        if (first == b) return orient2d(point(a), point(d), point(c)) < 0;
+        return orient2d(point(a), point(b), point(d)) < 0;
     }
 
     // The codes by which points are ordered from left to right or, turned by a quarter, from the top down.
@@ -221,7 +219,7 @@ class Triangulation {
         if (n == 3) {
             const Index a = make(order[0], order[1]), b = make(order[1], order[2]);
             put_after(b, opposite(a), order[1]);
-            const std::int64_t turn = orientation(point(order[0]), point(order[1]), point(order[2]));
+            const std::int64_t turn = orient2d(point(order[0]), point(order[1]), point(order[2]));
             if (turn == 0) return {a, opposite(b)};
             const Index c = connect(b, a);
             if (turn > 0) return {a, opposite(b)};
@@ -271,7 +269,7 @@ class Triangulation {
     // The next edge around the face to the left.
     [[nodiscard]] Index following(Index e) const noexcept { return previous(opposite(e)); }
     [[nodiscard]] bool is_above(Index e, Index base) const noexcept {
-        return orientation(point(to(e)), point(to(base)), point(from(base))) > 0;
+        return orient2d(point(to(e)), point(to(base)), point(from(base))) > 0;
     }
 
     const std::vector<GridPoint>* points_;
@@ -283,7 +281,7 @@ class Triangulation {
 /// Twice the area of the triangle that an edge is a side of; beyond the border 0.
 [[nodiscard]] inline std::int64_t area_beside(const Triangulation& mesh, Triangulation::Index e) {
     const Triangulation::Index c = mesh.apex(e);
-    return c == Triangulation::none ? 0 : orientation(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
+    return c == Triangulation::none ? 0 : orient2d(mesh.point(mesh.from(e)), mesh.point(mesh.to(e)), mesh.point(c));
 }
 /// Twice the area of the triangles around a point.
 [[nodiscard]] inline std::int64_t area_around(const Triangulation& mesh, Triangulation::Index v) {

@@ -190,7 +190,7 @@ class CompactWriter {
     [[nodiscard]] Status move_to_lattice() {
         if (head_.periodic != Periodic::none)
             return {Errc::invalid_argument, "periodic meshes are not moved to a lattice", head_.step, 0};
-        const auto area = [&](const Triangle& face) { return orientation(places_[face[0]], places_[face[1]], places_[face[2]]); };
+        const auto area = [&](const Triangle& face) { return orient2d(places_[face[0]], places_[face[1]], places_[face[2]]); };
         std::vector<std::vector<std::uint32_t>> faces_at(places_.size());
         for (std::size_t f = 0; f < mesh_->face_count; ++f) {
             if (area(mesh_->faces[f]) <= 0)
@@ -289,7 +289,7 @@ class CompactWriter {
         std::vector<bool> is_corner(points.size(), false);
         for (std::size_t f = 0; f < faces.size(); ++f) {
             for (std::size_t k = 0; k < 3; ++k) faces[f][k] = point_of_[mesh_->faces[f][k]];
-            if (orientation(points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]) <= 0)
+            if (orient2d(points[faces[f][0]], points[faces[f][1]], points[faces[f][2]]) <= 0)
                 return {Errc::invalid_argument, "a compact file holds faces that are positively oriented, not face",
                         static_cast<std::int64_t>(f)};
             std::rotate(faces[f].begin(), std::min_element(faces[f].begin(), faces[f].end()), faces[f].end());
