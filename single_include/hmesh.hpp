@@ -15386,34 +15386,38 @@ class AnnealedRun {
         return true;
     }
 
-    HMESH_COLD bool draw_points() {
+    /// The `count` pixels where the image asks for points, of which those that have to stand on lines are taken off. Meaningless
+    /// once progress has stopped.
+    HMESH_COLD Array<std::uint32_t> first_pixels(double count, Array<Point>& on_lines) {
         const ImageSource<C>& source = tiled_->source();
         const auto go_on = [&] { return progress().poll(); };
+        const auto left = [&] { return static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size()))); };
+        if (source.is_read() && source.periodic() == Periodic::none)
+            return source.calls().points(source, left(), tiled_->parallel_for(), go_on);
+        Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
+        if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
+        if (progress().stopped()) return {};
+        // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
+        if (source.periodic() != Periodic::none)
+            on_lines = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
+        if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
+        Array<std::uint32_t> pixels = first_points(ranks, left(), tiled_->parallel_for());
+        if (tiled_->is_small() && source.periodic() == Periodic::none) tiled_->notes().point_ranks = std::move(ranks);
+        return pixels;
+    }
+
+    HMESH_COLD bool draw_points() {
+        const ImageSource<C>& source = tiled_->source();
         // The corners come by themselves.
         const auto given = static_cast<double>(std::max<std::size_t>(4, border_->size()));
         const double wanted = std::max(0.0, std::ceil(static_cast<double>(n_) * steps_.points) - given);
         const double most = std::min(source.pixels(), static_cast<double>(max_pixels));
         const double count = std::min(most, wanted);
-        Array<std::uint32_t> pixels;
         Array<Point> on_lines;
         const bool has_sides = source.samples() == Samples::points && source.periodic() == Periodic::none && border_->empty();
         if (has_sides) on_lines = side_points(source, count);
-        if (source.is_read() && source.periodic() == Periodic::none) {
-            const auto left = static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size())));
-            pixels = source.calls().points(source, left, tiled_->parallel_for(), go_on);
-            if (progress().stopped()) return false;
-        } else {
-            Image<float, 1> ranks = std::move(tiled_->notes().point_ranks), density;
-            if (ranks.size() == 0) density = point_density(source, tiled_->parallel_for(), go_on);
-            if (progress().stopped()) return false;
-            // Twice the density where points cannot leave the seam: 0.3 dB beside it (benchmarks/periodic, wood).
-            if (source.periodic() != Periodic::none)
-                on_lines = seam_points(density, (source.has_straight_seams() ? 2 : 1) * count, source.periodic());
-            const double left = std::max(0.0, count - static_cast<double>(on_lines.size()));
-            if (ranks.size() == 0) ranks = point_ranks(std::move(density), tiled_->parallel_for());
-            pixels = first_points(ranks, static_cast<std::size_t>(left), tiled_->parallel_for());
-            if (tiled_->is_small() && source.periodic() == Periodic::none) tiled_->notes().point_ranks = std::move(ranks);
-        }
+        Array<std::uint32_t> pixels = first_pixels(count, on_lines);
+        if (progress().stopped()) return false;
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
         // Few points of a row follow more of it from its middle: 100 vertices of 20,000 px of a wave by 9 dB.
@@ -15423,24 +15427,29 @@ class AnnealedRun {
             for (const Point p : points_by_turns(pixels, is_row)) on_lines.push_back(p);
             pixels = {};
         }
-        // 32 leaves room for flips up to max_valence, as 16 does where up to four copies make one vertex. The mesh of two faces,
-        // which grows to n, is for shapes nobody has seen. A border stays, and there are fewer points along its longest edges.
-        const int limit = source.periodic() == Periodic::none ? 32 : 16;
-        while (true) {
-            if (!triangulate(pixels, on_lines)) return false;
-            IndexedMesh<C>& mesh = tiled_->indexed();
-            if (bound_valence(mesh, limit)) break;
-            if (border_->empty()) {
-                mesh = corner_mesh(source);
-                break;
-            }
-            if (!leave_out_crowd(pixels, mesh.positions, mesh.faces, mesh.width, mesh.height, limit)) return false;
-        }
+        if (!triangulate_within_valence(pixels, on_lines)) return false;
         tiled_->indexed().has_fixed_border = !border_->empty();
         tie(tiled_->indexed(), source.periodic());
         lay_tiles();
         progress().set_range(0.9, 0.9);
         return tiled_->estimate_energy(tilings_[0]);  // the end of a stage tells 1
+    }
+    /// triangulate(), with vertices that leave room for flips up to max_valence. False: cancelled.
+    HMESH_COLD bool triangulate_within_valence(Array<std::uint32_t>& pixels, const Array<Point>& on_lines) {
+        const ImageSource<C>& source = tiled_->source();
+        // 32 leaves room, as 16 does where up to four copies make one vertex. The mesh of two faces, which grows to n, is for
+        // shapes nobody has seen. A border stays, and there are fewer points along its longest edges.
+        const int limit = source.periodic() == Periodic::none ? 32 : 16;
+        while (true) {
+            if (!triangulate(pixels, on_lines)) return false;
+            IndexedMesh<C>& mesh = tiled_->indexed();
+            if (bound_valence(mesh, limit)) return true;
+            if (border_->empty()) {
+                mesh = corner_mesh(source);
+                return true;
+            }
+            if (!leave_out_crowd(pixels, mesh.positions, mesh.faces, mesh.width, mesh.height, limit)) return false;
+        }
     }
 
     /// A piece of work on a patch.
