@@ -1986,10 +1986,11 @@ inline void take_along(const Polygons& polygons, std::uint32_t loop, Removal& re
     removal.added -= polygons.double_area_of(loop);
 }
 
-/// Finds the loops in a hole.
-inline void swallow_inside(const Polygons& polygons, std::uint32_t hole, Removal& removal) {
+/// Finds the loops in the hole of which v is a corner.
+inline void swallow_inside(const Polygons& polygons, std::uint32_t v, Removal& removal) {
+    const std::uint32_t hole = polygons.loop_of(v);
     const Loop border = polygons.corners_of(hole);
-    GridBox box(border.front());
+    GridBox box(polygons.at(v));
     for (const GridPoint p : border) box.add(p);
     std::vector<std::uint32_t> seen = {hole};
     polygons.visit_sides(box, [&](std::uint32_t s) {
@@ -2019,7 +2020,7 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t hole, Removal
 /// Whether nothing is in the way of a removal at v; finds what is swallowed.
 [[nodiscard]] inline bool is_free(const Polygons& polygons, std::uint32_t v, Removal& removal) {
     if (removal.kind == Removal::Kind::hole) {
-        swallow_inside(polygons, polygons.loop_of(v), removal);
+        swallow_inside(polygons, v, removal);
         return true;
     }
     const ThreeSides s = polygons.three_sides(v);

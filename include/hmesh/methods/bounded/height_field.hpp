@@ -109,9 +109,9 @@ namespace detail {
 /// What a row of samples adds to what is known of a field.
 template <int C>
 struct HeightRow {
-    Rounding rounding, left, right;            ///< of all samples, of the first and of the last
-    std::array<float, C> lowest{}, highest{};  ///< of each channel; lowest > highest: there is none
-    bool has_holes = false, is_bad = false;    ///< samples without data; samples that are not finite, as floats or before
+    Rounding rounding, left, right;                         ///< of all samples, of the first and of the last
+    std::array<float, std::size_t{C}> lowest{}, highest{};  ///< of each channel; lowest > highest: there is none
+    bool has_holes = false, is_bad = false;  ///< samples without data; samples that are not finite, as floats or before
 };
 
 /// Writes row j of a view to a field of its size, whose `data` are as many as its samples where some may have none.
