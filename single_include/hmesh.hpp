@@ -5323,7 +5323,7 @@ inline Status write_pdf(const MeshView& source, Sink sink, const PageOptions& op
     if (const Status status = page.plan(); !status) return status;
     detail::PdfFile file(sink);
     page.put(file);
-    return file.finish(page.catalog, page.maker);
+    return file.finish(detail::PdfPage::catalog, detail::PdfPage::maker);
 }
 
 }  // namespace hmesh
