@@ -93,7 +93,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD std::vector<ThinnedLevel> thin(ImageMesh<C>& mesh, const kit::Array<std::size_t>& counts,
                                                         ProgressReporter& progress) {
     std::vector<ThinnedLevel> levels{thinned_level(mesh)};
-    const double first = static_cast<double>(mesh.vertex_count());
+    const auto first = static_cast<double>(mesh.vertex_count());
     for (const std::size_t n : counts) {
         while (mesh.vertex_count() > n) {
             // Larger batches take vertices that are not cheap: 3 % is worth 0.1 dB over 15 %.
