@@ -33,7 +33,7 @@ namespace hmesh::kit {
 namespace detail {
 
 /// What can be done at a corner.
-struct Removal {
+struct CornerRemoval {
     /// What goes: the corner, the side from it on, or all of its loop, which is a hole.
     enum class Kind : std::uint8_t { none, corner, side, hole };
 
@@ -61,16 +61,16 @@ struct Removal {
 }
 
 /// What it would be to remove the corner v or the side from it on, of a loop of more than three, whatever is in the way.
-[[nodiscard]] inline Removal removal_of(const Polygons& polygons, std::uint32_t v) {
+[[nodiscard]] inline CornerRemoval removal_of(const Polygons& polygons, std::uint32_t v) {
     const ThreeSides s = polygons.three_sides(v);
-    Removal out;
+    CornerRemoval out;
     if (const std::int64_t turn = orient2d(s.a, s.b, s.c); turn <= 0) {
-        out.kind = Removal::Kind::corner;
+        out.kind = CornerRemoval::Kind::corner;
         out.added = -turn;
     } else if (orient2d(s.b, s.c, s.d) > 0) {
         const std::optional<GridPoint> meeting = find_meeting(s, polygons.image());
         if (!meeting) return out;
-        out.kind = Removal::Kind::side;
+        out.kind = CornerRemoval::Kind::side;
         out.meeting = *meeting;
         out.added = orient2d(s.a, *meeting, s.d) - double_area(s.a, s.b, s.c, s.d);
     }
@@ -78,29 +78,29 @@ struct Removal {
 }
 
 /// What it would be to remove at v, whatever is in the way: all of a hole where that is the cheaper.
-[[nodiscard]] inline Removal removal_at(const Polygons& polygons, std::uint32_t v) {
+[[nodiscard]] inline CornerRemoval removal_at(const Polygons& polygons, std::uint32_t v) {
     const std::uint32_t loop = polygons.loop_of(v);
-    Removal out;
+    CornerRemoval out;
     if (polygons.size_of(loop) > 3) out = removal_of(polygons, v);
     if (!polygons.is_hole(loop)) return out;
-    Removal hole;
-    hole.kind = Removal::Kind::hole;
+    CornerRemoval hole;
+    hole.kind = CornerRemoval::Kind::hole;
     hole.added = -polygons.double_area_of(loop);
     hole.corners = polygons.size_of(loop);
-    return out.kind != Removal::Kind::none && out.price() <= hole.price() ? out : hole;
+    return out.kind != CornerRemoval::Kind::none && out.price() <= hole.price() ? out : hole;
 }
 
 // --- what is in the way, and what goes along ---
 
 /// Has a loop go with a removal.
-inline void take_along(const Polygons& polygons, std::uint32_t loop, Removal& removal) {
+inline void take_along(const Polygons& polygons, std::uint32_t loop, CornerRemoval& removal) {
     removal.swallowed.push_back(loop);
     removal.corners += polygons.size_of(loop);
     removal.added -= polygons.double_area_of(loop);
 }
 
 /// Finds the loops in the hole of which v is a corner.
-inline void swallow_inside(const Polygons& polygons, std::uint32_t v, Removal& removal) {
+inline void swallow_inside(const Polygons& polygons, std::uint32_t v, CornerRemoval& removal) {
     const std::uint32_t hole = polygons.loop_of(v);
     const Loop border = polygons.corners_of(hole);
     GridBox box(polygons.at(v));
@@ -117,7 +117,7 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, Removal& r
 
 /// Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself, but for these corners.
 [[nodiscard]] inline bool swallow(const Polygons& polygons, const std::array<GridPoint, 3>& triangle,
-                                  const std::array<std::uint32_t, 4>& own, Removal& removal) {
+                                  const std::array<std::uint32_t, 4>& own, CornerRemoval& removal) {
     const auto& [a, b, c] = triangle;
     const std::uint32_t home = polygons.loop_of(own[0]);
     return polygons.visit_sides(GridBox(a).add(b).add(c), [&, a = a, b = b, c = c](std::uint32_t s) {
@@ -131,13 +131,13 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, Removal& r
 }
 
 /// Whether nothing is in the way of a removal at v; finds what is swallowed.
-[[nodiscard]] inline bool is_free(const Polygons& polygons, std::uint32_t v, Removal& removal) {
-    if (removal.kind == Removal::Kind::hole) {
+[[nodiscard]] inline bool is_free(const Polygons& polygons, std::uint32_t v, CornerRemoval& removal) {
+    if (removal.kind == CornerRemoval::Kind::hole) {
         swallow_inside(polygons, v, removal);
         return true;
     }
     const ThreeSides s = polygons.three_sides(v);
-    if (removal.kind == Removal::Kind::corner)
+    if (removal.kind == CornerRemoval::Kind::corner)
         return polygons.is_side_free({s.before, s.a}, {s.to, s.c}, {s.before, v, Polygons::none}) &&
                swallow(polygons, {s.a, s.b, s.c}, {s.before, v, s.to, Polygons::none}, removal);
     const GridPoint p = removal.meeting;
@@ -192,7 +192,8 @@ class Offers {
 
 /// Offers what there is at a corner, in place of what was offered there.
 inline void offer(const Polygons& polygons, std::uint32_t v, Offers& offers) {
-    if (const Removal removal = removal_at(polygons, v); removal.kind != Removal::Kind::none) offers.add(v, removal.price());
+    if (const CornerRemoval removal = removal_at(polygons, v); removal.kind != CornerRemoval::Kind::none)
+        offers.add(v, removal.price());
     else offers.take_back(v);
 }
 /// Offers anew all that a change at v may have changed.
@@ -202,11 +203,11 @@ inline void offer_around(const Polygons& polygons, std::uint32_t v, Offers& offe
 }
 
 /// Does it, and offers what there is then.
-inline void remove(Polygons& polygons, std::uint32_t v, const Removal& removal, Offers& offers) {
+inline void remove(Polygons& polygons, std::uint32_t v, const CornerRemoval& removal, Offers& offers) {
     for (const std::uint32_t loop : removal.swallowed) polygons.remove_loop(loop);
-    if (removal.kind == Removal::Kind::hole) return polygons.remove_loop(polygons.loop_of(v));
+    if (removal.kind == CornerRemoval::Kind::hole) return polygons.remove_loop(polygons.loop_of(v));
     const ThreeSides s = polygons.three_sides(v);
-    if (removal.kind == Removal::Kind::corner) {
+    if (removal.kind == CornerRemoval::Kind::corner) {
         polygons.remove_corner(v);
         offer_around(polygons, s.before, offers);
         offer_around(polygons, s.to, offers);
@@ -227,7 +228,7 @@ inline bool remove_offered(Polygons& polygons, std::size_t count, Offers& offers
         if (!best) break;
         const std::uint32_t v = best->corner;
         if (!polygons.has(v)) continue;
-        Removal removal = removal_at(polygons, v);
+        CornerRemoval removal = removal_at(polygons, v);
         if (!is_free(polygons, v, removal)) {
             blocked.push_back(v);
             continue;
