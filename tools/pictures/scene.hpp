@@ -246,7 +246,7 @@ inline Material wood(Vec p, Vec& normal) {
     const double ring = 0.5 + 0.5 * std::sin(26 * (p.z + 0.9 * bend + 0.1 * p.x) + shift);
     const double fiber = fractal(1.1 * p.x + shift, 26 * p.z + 3 * bend, 3);
     Vec color = mix({0.36, 0.19, 0.085}, {0.20, 0.088, 0.036}, clamp(0.5 * ring * ring + 0.75 * fiber - 0.1, 0, 1));
-    color = (0.85 + 0.3 * unit(hash(static_cast<std::uint32_t>(plank), 3, 1))) * color;
+    color = (0.85 + 0.3 * unit(hash(static_cast<std::uint32_t>(static_cast<std::int64_t>(plank)), 3, 1))) * color;
     const double groove = step(0.485, 0.496, seam);
     normal = normalized(normal + Vec{0, 0, (p.z + 20.3) / 1.15 - plank > 0.5 ? -0.25 * groove : 0.25 * groove});
     return {(1 - 0.8 * groove) * color, 0.035, 0.55 * (1 - groove)};
