@@ -143,6 +143,12 @@ def bmp(header=40, top_down=False, masks=()):
     return struct.pack("<2sIHHI", b"BM", 14 + len(head) + len(pixels), 0, 0, 14 + len(head)) + head + pixels
 
 
+def with_gap(whole, gap):
+    """A BMP file with something between its palette and its pixels."""
+    first = struct.unpack_from("<I", whole, 10)[0]
+    return whole[:10] + struct.pack("<I", first + len(gap)) + whole[14:first] + gap + whole[first:]
+
+
 def tga(bits=24, kind=2, descriptor=0x20, pixels=None, color_map=b""):
     head = struct.pack("<BBBHHBHHHHBB", 0, 1 if color_map else 0, kind, 0, len(color_map) // 3, 24 if color_map else 0, 0, 0, *SIZE, bits,
                        descriptor)
@@ -159,6 +165,10 @@ def all_files():
         "progressive.jpg": saved(rgb, "JPEG", progressive=True), "cmyk.jpg": saved(picture("CMYK"), "JPEG", quality=95),
         "exif.jpg": saved(rgb, "JPEG", exif=b"Exif\0\0" + exif(6)),
         "rgb.bmp": saved(rgb, "BMP"), "alpha.bmp": saved(rgba, "BMP"), "palette.bmp": saved(palette, "BMP"),
+        "gap.bmp": with_gap(bmp(), b"gap"),
+        "masks_gap.bmp": with_gap(bmp(masks=(0xff0000, 0xff00, 0xff)), bytes(1024)),
+        "long_gap.bmp": with_gap(bmp(56, masks=(0xff0000, 0xff00, 0xff, 0)), b"gap"),
+        "palette_gap.bmp": with_gap(saved(palette, "BMP"), b"gap" * 400),
         "bits.bmp": saved(picture("1"), "BMP"), "top_down.bmp": bmp(top_down=True),
         "masks.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0)), "alpha_mask.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0xff000000)),
         "rgb.tga": saved(rgb, "TGA"), "runs.tga": saved(rgb, "TGA", compression="tga_rle"),

@@ -33,6 +33,10 @@ WHOLE = rows("""
     top_down.bmp    | 3 |  8 |  0
     masks.bmp       | 3 |  8 |  0
     alpha_mask.bmp  | 4 |  8 | -1
+    gap.bmp         | 3 |  8 |  0
+    masks_gap.bmp   | 3 |  8 |  0
+    long_gap.bmp    | 3 |  8 |  0
+    palette_gap.bmp | 3 |  8 | 40
     rgb.tga         | 3 |  8 |  0
     runs.tga        | 3 |  8 |  0
     alpha.tga       | 4 |  8 |  1

@@ -3,6 +3,7 @@
 //
 // stb_image takes what a file lacks as zeros, or as what the memory held: whether each pixel is there is found out here, before.
 // Its buffers are zeros.
+#include <algorithm>
 #include <climits>
 #include <cstdlib>
 #include <cstring>
@@ -68,6 +69,7 @@ std::string too_few(std::size_t has, std::size_t needs) {
 
 struct Bmp {
     std::size_t pixels_at = 0, header = 0, bits = 0, row = 0, used = 0;  // bytes of a row, and those of them that hold pixels
+    std::size_t colors = 0;                                              // of the palette that pixels are numbers of
     std::int64_t width = 0, height = 0;
 };
 
@@ -89,23 +91,22 @@ std::string check_masks(Bytes file, const Bmp& bmp) {
 // Whether each pixel has a colour of the palette.
 std::string check_palette(Bytes file, const Bmp& bmp) {
     if (bmp.header == 12) return "it is a BMP file of OS/2 with a palette";
-    const std::size_t colors = bmp.pixels_at < 14 + bmp.header ? 0 : (bmp.pixels_at - 14 - bmp.header) / 4;
-    if (colors < 1 || colors > 256) return "its palette has " + std::to_string(colors) + " colours, not 1 to 256";
-    if (colors >= std::size_t{1} << bmp.bits) return {};
+    if (bmp.colors < 1) return "its palette has no colours";
+    if (bmp.colors >= std::size_t{1} << bmp.bits) return {};
     const std::uint32_t mask = (1U << bmp.bits) - 1U;
     const std::size_t per_byte = 8 / bmp.bits;
     for (std::size_t y = 0; y < static_cast<std::size_t>(bmp.height); ++y)
         for (std::size_t x = 0; x < static_cast<std::size_t>(bmp.width); ++x) {
             const std::uint32_t byte = file.u8(bmp.pixels_at + y * bmp.row + x / per_byte);
             const std::uint32_t color = byte >> (8 - bmp.bits * (x % per_byte + 1)) & mask;
-            if (color >= colors)
-                return "it has a pixel of colour " + std::to_string(color) + ", and its palette has " + std::to_string(colors);
+            if (color >= bmp.colors)
+                return "it has a pixel of colour " + std::to_string(color) + ", and its palette has " +
+                       std::to_string(bmp.colors);
         }
     return {};
 }
 
-std::string check_bmp(Bytes file) {
-    Bmp bmp;
+std::string check_bmp(Bytes file, Bmp& bmp) {
     bmp.pixels_at = file.le32(10);
     bmp.header = file.le32(14);
     const bool is_old = bmp.header == 12;
@@ -126,16 +127,28 @@ std::string check_bmp(Bytes file) {
     if (bmp.pixels_at < 14 + bmp.header) return "its pixels begin within its header";
     const std::size_t end = bmp.pixels_at + bmp.row * static_cast<std::size_t>(bmp.height - 1) + bmp.used;
     if (end > file.size) return too_short(file.size, end);
+    if (bmp.bits <= 8) bmp.colors = std::min((bmp.pixels_at - 14 - bmp.header) / 4, std::size_t{1} << bmp.bits);
     return bmp.bits <= 8 ? check_palette(file, bmp) : check_masks(file, bmp);
 }
 
-// The same file with a header of 108 bytes in place of 56, of which no more is read: of 56 stb_image takes the masks from behind.
-std::vector<unsigned char> with_long_header(Bytes file) {
-    std::vector<unsigned char> out(file.data, file.data + file.size);
-    out.insert(out.begin() + 70, 52, 0);
-    out[14] = 108;
-    const std::uint32_t pixels_at = file.le32(10) + 52;
+// How many bytes from the first on are headers, masks and palette. Pixels may begin later, as behind a palette for screens of
+// few colours, or where a program likes them to.
+std::size_t end_of_header(Bytes file, const Bmp& bmp) {
+    const std::size_t masks_behind = bmp.header == 40 && file.le32(30) == 3 ? 12 : 0;
+    return std::min(bmp.pixels_at, 14 + bmp.header + masks_behind + 4 * bmp.colors);
+}
+
+// The same file as stb_image takes it: with a header of 108 bytes in place of 56, of which no more is read, as of 56 it takes the
+// masks from behind; and with nothing before its pixels that is no header, which it takes for damage or for colours.
+std::vector<unsigned char> as_stb_takes_it(Bytes file, const Bmp& bmp) {
+    std::vector<unsigned char> out(file.data, file.data + end_of_header(file, bmp));
+    if (bmp.header == 56) {
+        out.insert(out.begin() + 70, 52, 0);
+        out[14] = 108;
+    }
+    const std::size_t pixels_at = out.size();
     for (unsigned k = 0; k < 4; ++k) out[10 + k] = static_cast<unsigned char>(pixels_at >> (8 * k));
+    out.insert(out.end(), file.data + bmp.pixels_at, file.data + file.size);
     return out;
 }
 
@@ -307,9 +320,10 @@ std::string decode_stb(Bytes file, ImageFile& image) {
 }
 
 std::string read_bmp(Bytes file, ImageFile& image) {
-    std::string why = check_bmp(file);
-    if (why.empty() && file.le32(14) == 56) {
-        const std::vector<unsigned char> same = with_long_header(file);
+    Bmp bmp;
+    std::string why = check_bmp(file, bmp);
+    if (why.empty() && (bmp.header == 56 || end_of_header(file, bmp) < bmp.pixels_at)) {
+        const std::vector<unsigned char> same = as_stb_takes_it(file, bmp);
         why = decode_stb({same.data(), same.size()}, image);
     } else if (why.empty()) {
         why = decode_stb(file, image);
