@@ -149,6 +149,14 @@ def with_gap(whole, gap):
     return whole[:10] + struct.pack("<I", first + len(gap)) + whole[14:first] + gap + whole[first:]
 
 
+def gif_in_corner(background):
+    """Two columns and a row larger than its frame, in whose lower right corner it lies. The background is one of the palette's."""
+    whole = saved(picture("P"), "GIF")
+    at = whole.index(b"\x2c\0\0\0\0" + struct.pack("<HH", *SIZE))
+    return (whole[:6] + struct.pack("<HH", WIDTH + 2, HEIGHT + 1) + whole[10:11] + bytes([background]) + whole[12:at + 1] +
+            struct.pack("<HH", 2, 1) + whole[at + 5:])
+
+
 def tga(bits=24, kind=2, descriptor=0x20, pixels=None, color_map=b""):
     head = struct.pack("<BBBHHBHHHHBB", 0, 1 if color_map else 0, kind, 0, len(color_map) // 3, 24 if color_map else 0, 0, 0, *SIZE, bits,
                        descriptor)

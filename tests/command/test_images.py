@@ -252,6 +252,18 @@ def test_a_radiance_file_says_where_its_rows_lie(hmesh, layout, turn):
     assert max(abs(a - b) for p, q in zip(seen.getdata(), expected.getdata()) for a, b in zip(p, q)) <= 1
 
 
+@pytest.mark.parametrize("background", [0, 1, 31])
+def test_what_the_first_frame_of_a_gif_leaves_of_its_picture_is_transparent(hmesh, background):
+    Path("corner.gif").write_bytes(images.gif_in_corner(background))
+    hmesh.done("corner.gif --effort draft --vertices 60 --strip strip.png")
+    width, height = images.WIDTH + 2, images.HEIGHT + 1
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, width, height))  # over white
+    framed = {seen.getpixel((x, y)) for y in range(height) for x in range(width) if x < 2 or y < 1}
+    assert framed == {(255, 255, 255)}
+    expected = images.picture("P").convert("RGB")
+    assert seen.crop((2, 1, width, height)).tobytes() == expected.tobytes()
+
+
 @pytest.mark.parametrize("name", ["animated.gif", "animated.webp"])
 def test_of_an_animation_the_first_frame_is_taken_and_told(hmesh, name):
     skip_unless_read(hmesh, name)

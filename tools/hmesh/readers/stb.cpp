@@ -291,6 +291,14 @@ std::string check_gif(Bytes file, std::size_t& frames) {
     return "the file ends before its trailer";
 }
 
+// The same file with its first colour as the background, of which stb_image makes nothing: with any other it fills what the first
+// frame leaves of the picture, red and blue changed for one another. That is transparent, as browsers show it.
+std::vector<unsigned char> without_background(Bytes file) {
+    std::vector<unsigned char> out(file.data, file.data + file.size);
+    out[11] = 0;
+    return out;
+}
+
 // Of a file whose header knows no alpha, the fourth bytes are alpha all the same, as most programs that leave this out mean it,
 // unless all are 0: no picture is meant to be invisible.
 void drop_unsaid_alpha(ImageFile& image) {
@@ -343,7 +351,10 @@ std::string read_tga(Bytes file, ImageFile& image) {
 std::string read_gif(Bytes file, ImageFile& image) {
     std::size_t frames = 0;
     std::string why = check_gif(file, frames);
-    if (why.empty()) why = decode_stb(file, image);
+    if (why.empty()) {
+        const std::vector<unsigned char> same = without_background(file);
+        why = decode_stb({same.data(), same.size()}, image);
+    }
     if (why.empty()) drop_opaque_alpha(image);
     if (why.empty() && frames > 1)
         image.note = "the file is animated: the first of its " + std::to_string(frames) + " frames is taken";
