@@ -169,6 +169,8 @@ def all_files():
     files = {
         "rgb.png": png(), "grey.png": saved(grey, "PNG"), "alpha.png": saved(rgba, "PNG"), "palette.png": png_palette(3),
         "rgb16.png": png16(3), "grey16.png": png16(1), "bits.png": saved(picture("1"), "PNG"), "exif.png": png(png_chunk(b"eXIf", exif(6))),
+        "key.png": png(png_chunk(b"tRNS", struct.pack(">3H", *color(3, 2)))),
+        "key16.png": png(png_chunk(b"tRNS", struct.pack(">H", 10 * 257)), bits=16, kind=0, lines=rows(lambda x, y: struct.pack(">H", x * 2570))),
         "rgb.jpg": saved(rgb, "JPEG", quality=90), "grey.jpg": saved(grey, "JPEG"),
         "progressive.jpg": saved(rgb, "JPEG", progressive=True), "cmyk.jpg": saved(picture("CMYK"), "JPEG", quality=95),
         "exif.jpg": saved(rgb, "JPEG", exif=b"Exif\0\0" + exif(6)),

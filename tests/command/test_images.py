@@ -21,6 +21,8 @@ WHOLE = rows("""
     palette.png     | 3 |  8 | -1
     bits.png        | 1 |  8 | -1
     exif.png        | 3 |  8 |  0
+    key.png         | 4 |  8 | -1
+    key16.png       | 2 | 16 | -1
     rgb.jpg         | 3 |  8 | 60
     grey.jpg        | 1 |  8 | 20
     progressive.jpg | 3 |  8 | 60

@@ -53,10 +53,16 @@ namespace {
 
 constexpr std::size_t max_file = INT_MAX;  // stb_image counts in int
 
+struct Decoded {
+    int width = 0, height = 0, channels = 0;
+};
+
 template <class T>
-std::string take(T* pixels, std::vector<T>& samples) {
+std::string take(const Decoded& size, T* pixels, ImageFile& image, std::vector<T>& samples) {
     const std::unique_ptr<T, void (*)(void*)> owner(pixels, stbi_image_free);
     if (pixels == nullptr) return std::string("stb_image refuses it: ") + stbi_failure_reason();
+    if (std::string why = start_image(image, size.width, size.height, size.channels, 8 * int{sizeof(T)}); !why.empty())
+        return why;
     std::memcpy(samples.data(), pixels, samples.size() * sizeof(T));
     return {};
 }
@@ -315,16 +321,16 @@ void drop_unsaid_alpha(ImageFile& image) {
 std::string decode_stb(Bytes file, ImageFile& image) {
     if (file.size > max_file) return "the file is larger than 2 GiB";
     const auto size = static_cast<int>(file.size);
-    int width = 0, height = 0, channels = 0;
-    if (stbi_info_from_memory(file.data, size, &width, &height, &channels) == 0)
+    Decoded header, found;
+    if (stbi_info_from_memory(file.data, size, &header.width, &header.height, &header.channels) == 0)
         return std::string("stb_image refuses it: ") + stbi_failure_reason();
-    if (channels < 1 || channels > 4) return "it has " + std::to_string(channels) + " channels, not 1 to 4";
-    const int bits = stbi_is_16_bit_from_memory(file.data, size) != 0 ? 16 : 8;
-    if (height < 0 && height > INT_MIN) height = -height;  // of a BMP file from top to bottom
-    if (std::string why = start_image(image, width, height, channels, bits); !why.empty()) return why;
-    int w = 0, h = 0, c = 0;  // asked for as many channels as there are, which are the same again
-    if (bits == 16) return take(stbi_load_16_from_memory(file.data, size, &w, &h, &c, channels), image.samples16);
-    return take(stbi_load_from_memory(file.data, size, &w, &h, &c, channels), image.samples8);
+    if (header.height < 0 && header.height > INT_MIN) header.height = -header.height;  // of a BMP file from top to bottom
+    if (std::string why = check_size(header.width, header.height); !why.empty()) return why;
+    // Asked for all the channels that there are: with a transparent colour a PNG file has one more than its header says.
+    const auto decode = [&](auto load) { return load(file.data, size, &found.width, &found.height, &found.channels, 0); };
+    if (stbi_is_16_bit_from_memory(file.data, size) != 0)
+        return take(found, decode(stbi_load_16_from_memory), image, image.samples16);
+    return take(found, decode(stbi_load_from_memory), image, image.samples8);
 }
 
 std::string read_bmp(Bytes file, ImageFile& image) {
