@@ -1,4 +1,5 @@
 """Image files: which are read, as what, and what is said of those that are not whole."""
+import io
 import os
 import re
 import resource
@@ -252,6 +253,20 @@ def test_a_radiance_file_says_where_its_rows_lie(hmesh, layout, turn):
     expected = images.picture().point(lambda sample: min(255, (sample * 255 + 64) // 128)).transpose(turn)
     seen = Image.open("strip.png").convert("RGB").crop((0, 0, *expected.size))
     assert max(abs(a - b) for p, q in zip(seen.getdata(), expected.getdata()) for a, b in zip(p, q)) <= 1
+
+
+def test_a_cmyk_jpeg_without_the_marker_of_adobe_has_inks_that_are_not_inverted(hmesh):
+    whole = FILES["cmyk.jpg"]
+    marker = whole.index(b"\xff\xee\0\x0eAdobe")
+    Path("plain.jpg").write_bytes(whole[:marker] + whole[marker + 16:])
+    if "libjpeg" not in hmesh.done("--version"):
+        hmesh.fails("it is CMYK without Adobe's marker, and this hmesh was built without libjpeg", "plain.jpg -o x.ply")
+        return
+    hmesh.done("plain.jpg --effort draft --vertices 8 --strip strip.png")
+    seen = Image.open("strip.png").convert("RGB").crop((0, 0, *images.SIZE))
+    inks = Image.open(io.BytesIO(whole)).getdata()  # of the file with the marker: 255 less
+    expected = [tuple((ink * black + 127) // 255 for ink in light) for *light, black in inks]
+    assert max(abs(a - b) for p, q in zip(seen.getdata(), expected) for a, b in zip(p, q)) <= 1
 
 
 @pytest.mark.parametrize("background", [0, 1, 31])

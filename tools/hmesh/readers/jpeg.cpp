@@ -135,8 +135,11 @@ std::size_t skip_scan(Bytes file, std::size_t at) {
     return at;
 }
 
+// Whether an Adobe marker says that four components are inks, as they are or as YCCK. Without, stb_image takes them for YCbCr.
+bool says_inks(Bytes segment) { return segment.says(0, "Adobe\0") && (segment.u8(11) == 0 || segment.u8(11) == 2); }
+
 std::string find_damage(Bytes file) {
-    bool has_frame = false, has_scan = false;
+    bool has_frame = false, has_scan = false, has_four = false, has_inks = false;
     for (std::size_t at = 2; file.has(at, 2);) {
         const std::uint32_t marker = file.u8(at + 1);
         if (file.u8(at) != 0xff) return "there is no marker at byte " + std::to_string(at);
@@ -144,14 +147,18 @@ std::string find_damage(Bytes file) {
             ++at;
             continue;
         }
+        if (marker == 0xd9 && has_scan && has_four && !has_inks)
+            return "it is CMYK without Adobe's marker, and this hmesh was built without libjpeg";
         if (marker == 0xd9) return has_scan ? "" : "it has no pixels";
         const std::size_t size = file.be16(at + 2);
         if (size < 2 || !file.has(at + 2, size)) return "its segment at byte " + std::to_string(at) + " is cut off";
         if (marker == 0xc4)
             if (std::string why = find_wrong_table(file.part(at + 4, size - 2)); !why.empty()) return why;
+        if (marker == 0xee) has_inks = says_inks(file.part(at + 4, size - 2));
         if (marker >= 0xc0 && marker <= 0xc2) {
             if (has_frame) return "it has two frames";
             has_frame = true;
+            has_four = file.u8(at + 9) == 4;
             const std::size_t pixels = std::size_t{file.be16(at + 5)} * file.be16(at + 7);
             if (std::string why = check_ratio(pixels, file.size, 512); !why.empty()) return why;
         }
