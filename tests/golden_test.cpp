@@ -19,10 +19,13 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/random.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "hmesh/outline.hpp"
 #include "hmesh/paper.hpp"
 #include "test_images.hpp"
 #include "test_meshing.hpp"
+#include "test_outlines.hpp"
 
 using hmesh::Annealed;
 using hmesh::Effort;
@@ -106,6 +109,23 @@ class Album {
     std::vector<Entry> entries_;
 };
 
+// Outlines of silhouettes of all kinds, close and of few vertices. Each change of a polygon that could be another one shows here:
+// other tests ask whether outlines are right and good, not whether they are the best that was found.
+void add_outlines(Album& album) {
+    hmesh::kit::Random random(11);
+    for (int kind = 0; kind < 16; ++kind) {
+        const hmesh_test::AlphaImage image = hmesh_test::some_silhouette(kind, 70, 60, random);
+        for (const double tolerance : {0.5, 3.0}) {
+            hmesh::OutlineOptions options;
+            options.tolerance = tolerance;
+            options.max_vertices = kind < 8 ? 0 : 24;
+            const hmesh::Outline outline = hmesh::outline(image.view(), options);
+            CHECK(outline.status);
+            album.add_mesh("outline/" + std::to_string(kind) + (tolerance < 1 ? "/close" : "/wide"), outline.mesh);
+        }
+    }
+}
+
 // The meshes that are held.
 std::vector<Entry> make_entries() {
     Album album;
@@ -152,6 +172,7 @@ std::vector<Entry> make_entries() {
     fit.grid = 1;
     CHECK(hmesh::fit_linear_light(light, scene.view(), fit).status);
     album.add_mesh("linear_light", light);
+    add_outlines(album);
     return album.entries();
 }
 
