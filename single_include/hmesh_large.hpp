@@ -450,7 +450,7 @@ template <int C>
 /// Some pixels of a band of rows.
 struct LikelyPoints {
     Array<std::uint32_t> pixels;  ///< y * width + x
-    Array<float> densities;       ///< without the even part
+    Array<float> values;          ///< of each, the density without the even part, and then the rank
 };
 
 /// Finds the pixels of each band whose rank is at most the limit by this guess. Returns the sum of all densities. Nothing of
@@ -470,7 +470,7 @@ template <int C>
         for (std::size_t k = 0; k < ranks.size(); ++k)
             if (ranks[k] <= guess.limit) {
                 likely.pixels.push_back(static_cast<std::uint32_t>(begin * rows.width() + k));
-                likely.densities.push_back(densities[k]);
+                likely.values.push_back(densities[k]);
             }
         found += likely.pixels.size();
         if (found <= most) of_band[begin / density_band] = std::move(likely);
@@ -480,17 +480,23 @@ template <int C>
     return sum;
 }
 
-/// These pixels, which are given up, with their ranks.
-[[nodiscard]] HMESH_COLD inline PointCandidates with_ranks(std::vector<LikelyPoints>& of_band, std::size_t width, float even) {
+/// These pixels, which are given up, with their ranks. A band is a piece of work, and left as it is once go_on() says false.
+[[nodiscard]] HMESH_COLD inline PointCandidates with_ranks(std::vector<LikelyPoints>& of_band, std::size_t width, float even,
+                                                           const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
+    parallel_for(of_band.size(), [&](std::size_t band) {
+        if (!go_on()) return;
+        LikelyPoints& likely = of_band[band];
+        for (std::size_t k = 0; k < likely.pixels.size(); ++k) {
+            const auto x = static_cast<int>(likely.pixels[k] % width), y = static_cast<int>(likely.pixels[k] / width);
+            likely.values[k] += even;
+            rank_row(&likely.values[k], x, x + 1, y);
+        }
+    });
     PointCandidates out;
     for (LikelyPoints& likely : of_band) {
         for (std::size_t k = 0; k < likely.pixels.size(); ++k) {
-            const std::uint32_t pixel = likely.pixels[k];
-            const auto x = static_cast<int>(pixel % width), y = static_cast<int>(pixel / width);
-            float rank = likely.densities[k] + even;
-            rank_row(&rank, x, x + 1, y);
-            out.pixels.push_back(pixel);
-            out.ranks.push_back(bits_of(rank));
+            out.pixels.push_back(likely.pixels[k]);
+            out.ranks.push_back(bits_of(likely.values[k]));
         }
         likely = {};
     }
@@ -508,7 +514,8 @@ template <int C>
 }  // namespace detail
 
 /// The `count` pixels, as y * width + x, of the least point_ranks() of point_density(), 0 <= count <= pixels; those of
-/// first_points(). Once go_on() says false, called before each band of 32 rows on any thread, the result is meaningless.
+/// first_points(). Once go_on() says false, the result is meaningless; it is called on any thread, before each band of 32 rows and
+/// before its ranks.
 template <int C>
 [[nodiscard]] HMESH_COLD Array<std::uint32_t> points_by_rows(const ImageSource<C>& source, std::size_t count,
                                                              const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
@@ -516,12 +523,12 @@ template <int C>
     const detail::DensityRows<C> rows(source, go_on);
     detail::RankGuess guess;
     if (source.pixels() >= worth_a_guess) guess = detail::guess_ranks(rows, count, parallel_for);
-    std::vector<detail::LikelyPoints> of_band(rows.count() / detail::density_band + 1);
+    std::vector<detail::LikelyPoints> of_band((rows.count() + detail::density_band - 1) / detail::density_band);
     bool is_complete = false;
     const double sum = detail::find_likely(rows, guess, 2 * count + 65536, of_band, is_complete, parallel_for);
     const float even = detail::even_density(sum, source.pixels());
     if (is_complete) {
-        detail::PointCandidates candidates = detail::with_ranks(of_band, rows.width(), even);
+        detail::PointCandidates candidates = detail::with_ranks(of_band, rows.width(), even, parallel_for, go_on);
         const std::uint32_t sure = detail::bits_of(detail::sure_rank(guess, even));
         const auto is_sure = [&](std::uint32_t rank) { return rank < sure; };
         if (static_cast<std::size_t>(std::count_if(candidates.ranks.begin(), candidates.ranks.end(), is_sure)) >= count)
