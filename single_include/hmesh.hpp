@@ -9620,6 +9620,9 @@ class HalfedgeMesh {
     [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
     [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
     [[nodiscard]] Status check_vertex(Vertex v) const;
+    /// Whether each vertex has one fan: a turn around it meets all half-edges that leave it, as many as told, and no neighbour
+    /// twice. `boundary`: of each vertex how many of them are on the boundary.
+    [[nodiscard]] Status check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const;
 
     UndoArray<HalfedgeSlot> halfedges_;
     UndoArray<Slot> vertices_, faces_;
@@ -9939,19 +9942,23 @@ inline Status HalfedgeMesh::check() const {
     std::size_t bounded = 0;
     for (const Edge e : edges()) bounded += (is_boundary(halfedge(e)) ? 0U : 1U) + (is_boundary(opposite(halfedge(e))) ? 0U : 1U);
     if (bounded != 3 * face_total) return fail("the faces do not use each half-edge once", bounded);
-    // One fan a vertex: a turn around it meets all half-edges that leave it, and no neighbour twice.
+    return check_fans(leaving, boundary);
+}
+inline Status HalfedgeMesh::check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const {
+    const auto fail = [](const char* what, Vertex v) -> Status {
+        return {Errc::invalid_argument, what, static_cast<std::int64_t>(v.index()), 0};
+    };
     Array<std::size_t> neighbors, met_by(vertex_slots(), vertex_slots());
     for (const Vertex v : vertices()) {
         neighbors.clear();
         for (const Halfedge h : outgoing(v)) {
             neighbors.push_back(to_vertex(h).index());
-            if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v.index());
+            if (neighbors.size() > leaving[v.index()]) return fail("a turn around a vertex does not close", v);
         }
-        if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v.index());
-        if (neighbors.size() < 3 && boundary[v.index()] == 0)
-            return fail("two faces have the same corners, at vertex", v.index());
+        if (neighbors.size() != leaving[v.index()]) return fail("two fans meet in a vertex", v);
+        if (neighbors.size() < 3 && boundary[v.index()] == 0) return fail("two faces have the same corners, at vertex", v);
         for (const std::size_t u : neighbors)
-            if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v.index());
+            if (std::exchange(met_by[u], v.index()) == v.index()) return fail("two edges join the same vertices", v);
     }
     return {};
 }

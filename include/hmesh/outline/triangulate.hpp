@@ -27,7 +27,7 @@ namespace hmesh::kit {
 
 namespace detail {
 
-/// One polygon with its holes as a single ring of nodes, from which ears are cut.
+/// One polygon with its holes as a single ring of nodes.
 class EarRing {
   public:
     /// Of corners of all polygons, by their places.
@@ -56,71 +56,15 @@ class EarRing {
         }
     }
 
-    /// Cuts all ears.
-    void cut(std::vector<Triangle>& faces) {
-        Loop places;
-        for (const Node& node : nodes_) places.push_back(at_[node.corner]);
-        GridBox box(places.front());
-        for (const GridPoint p : places) box.add(p);
-        Buckets buckets(box, nodes_.size());
-        std::vector<std::uint32_t> stamp(nodes_.size(), 0);
-        std::vector<std::uint8_t> is_cut(nodes_.size(), 0);
-        struct Offer {
-            std::int64_t price;
-            std::uint32_t node, stamp;
-            bool operator<(const Offer& other) const noexcept {
-                return price != other.price ? price > other.price : node > other.node;
-            }
-        };
-        std::priority_queue<Offer> offers;
-        const auto offer = [&](std::uint32_t n) {
-            const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
-            ++stamp[n];
-            const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
-            if (orient2d(a, b, c) > 0) offers.push({x * x + y * y, n, stamp[n]});
-        };
-        for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
-            buckets.add(n, places[n], places[n]);
-            offer(n);
-        }
-        std::size_t left = nodes_.size();
-        std::vector<std::uint32_t> blocked;
-        for (bool is_new = true; is_new && left > 2;) {
-            is_new = false;
-            while (!offers.empty() && left > 2) {
-                const Offer best = offers.top();
-                offers.pop();
-                const std::uint32_t n = best.node;
-                if (is_cut[n] != 0 || best.stamp != stamp[n]) continue;
-                const std::uint32_t before = nodes_[n].previous, after = nodes_[n].next;
-                const GridPoint a = place(before), b = place(n), c = place(after);
-                const bool is_ear = buckets.visit(GridBox(a).add(b).add(c), [&](std::uint32_t m) {
-                    const GridPoint p = place(m);
-                    return p == a || p == b || p == c || !is_in_triangle(a, b, c, p);
-                });
-                if (!is_ear) {
-                    blocked.push_back(n);
-                    continue;
-                }
-                faces.push_back({nodes_[before].corner, nodes_[n].corner, nodes_[after].corner});
-                is_cut[n] = 1;
-                buckets.remove(n, b, b);
-                link(before, after);
-                --left;
-                offer(before);
-                offer(after);
-                is_new = true;
-            }
-            for (const std::uint32_t n : blocked)
-                if (is_cut[n] == 0) offer(n);
-            blocked.clear();
-        }
-    }
+    /// A corner of the ring.
+    struct Node {
+        std::uint32_t corner,  ///< its number
+            previous,          ///< the node before it
+            next;              ///< the node behind it
+    };
+    [[nodiscard]] const std::vector<Node>& nodes() const noexcept { return nodes_; }  ///< of the ring, by their numbers
 
   private:
-    struct Node {
-        std::uint32_t corner, previous, next;
-    };
     // A node that a hole may be joined to; the nearest is the largest.
     struct Neighbor {
         std::int64_t distance;  // squared
@@ -175,6 +119,91 @@ class EarRing {
     std::vector<Node> nodes_;
 };
 
+/// Cuts the ears of a ring, those with a short third side first.
+class EarCutter {
+  public:
+    /// Of a ring of corners, by their places.
+    EarCutter(const std::vector<GridPoint>& at, const EarRing& ring)
+        : at_(at), nodes_(ring.nodes()), buckets_(box(), nodes_.size()), stamp_(nodes_.size(), 0), left_(nodes_.size()) {
+        for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+            buckets_.add(n, place(n), place(n));
+            offer(n);
+        }
+    }
+
+    /// Appends the triangles.
+    void cut(std::vector<Triangle>& faces) {
+        std::vector<std::uint32_t> blocked;
+        for (bool is_new = true; is_new && left_ > 2;) {
+            is_new = false;
+            while (!offers_.empty() && left_ > 2) {
+                const Offer best = offers_.top();
+                offers_.pop();
+                if (best.stamp != stamp_[best.node]) continue;
+                if (!is_ear(best.node)) {
+                    blocked.push_back(best.node);
+                    continue;
+                }
+                faces.push_back(cut_off(best.node));
+                is_new = true;
+            }
+            for (const std::uint32_t n : blocked)
+                if (stamp_[n] != is_gone) offer(n);
+            blocked.clear();
+        }
+    }
+
+  private:
+    static constexpr std::uint32_t is_gone = std::numeric_limits<std::uint32_t>::max();  // stamp
+
+    struct Offer {
+        std::int64_t price;
+        std::uint32_t node, stamp;
+        bool operator<(const Offer& other) const noexcept {
+            return price != other.price ? price > other.price : node > other.node;
+        }
+    };
+
+    [[nodiscard]] GridPoint place(std::uint32_t n) const noexcept { return at_[nodes_[n].corner]; }
+    [[nodiscard]] GridBox box() const noexcept {
+        GridBox out(place(0));
+        for (std::uint32_t n = 0; n < nodes_.size(); ++n) out.add(place(n));
+        return out;
+    }
+    void offer(std::uint32_t n) {
+        const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
+        ++stamp_[n];
+        const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
+        if (orient2d(a, b, c) > 0) offers_.push({x * x + y * y, n, stamp_[n]});
+    }
+    // Whether no other node is in the triangle of one and its neighbours.
+    [[nodiscard]] bool is_ear(std::uint32_t n) const {
+        const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
+        return buckets_.visit(GridBox(a).add(b).add(c), [&](std::uint32_t m) {
+            const GridPoint p = place(m);
+            return p == a || p == b || p == c || !is_in_triangle(a, b, c, p);
+        });
+    }
+    // Takes a node out of the ring. Returns the triangle.
+    Triangle cut_off(std::uint32_t n) {
+        const std::uint32_t before = nodes_[n].previous, after = nodes_[n].next;
+        buckets_.remove(n, place(n), place(n));
+        nodes_[before].next = after, nodes_[after].previous = before;
+        stamp_[n] = is_gone;
+        --left_;
+        offer(before);
+        offer(after);
+        return {nodes_[before].corner, nodes_[n].corner, nodes_[after].corner};
+    }
+
+    const std::vector<GridPoint>& at_;
+    std::vector<EarRing::Node> nodes_;
+    Buckets buckets_;
+    std::vector<std::uint32_t> stamp_;  // of a node's last offer, or is_gone
+    std::priority_queue<Offer> offers_;
+    std::size_t left_;
+};
+
 }  // namespace detail
 
 /// The triangles of polygons, which do not meet: outer borders with holes in them, and others in these. Corners are numbered in
@@ -220,7 +249,7 @@ class EarRing {
             others.pop_back();
             ring.add_hole(hole[0], hole[1], others);
         }
-        ring.cut(faces);
+        detail::EarCutter(at, ring).cut(faces);
     }
     return faces;
 }
