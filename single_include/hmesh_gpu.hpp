@@ -1889,6 +1889,65 @@ class Polygons {
 
 #endif  // HMESH_OUTLINE_POLYGONS_HPP
 
+// ---- hmesh/outline/offers.hpp
+
+/// \file
+/// Offers: what can be done at corners, the cheapest first, while prices change. O(log n) for each.
+#ifndef HMESH_OUTLINE_OFFERS_HPP
+#define HMESH_OUTLINE_OFFERS_HPP
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <vector>
+
+namespace hmesh::kit::detail {
+
+/// Offers by their prices. Of a corner, the last one counts, and no more once it is taken back or taken out.
+class Offers {
+  public:
+    /// That of one corner.
+    struct Offer {
+        double price;          ///< the least comes first, and of equal ones the least corner
+        std::uint32_t corner,  ///< its number
+            stamp;             ///< which one of that corner's it is
+        /// The best one is the last.
+        bool operator<(const Offer& other) const noexcept {
+            return price != other.price ? price > other.price : corner > other.corner;
+        }
+    };
+
+    /// For corners with numbers below this.
+    explicit Offers(std::uint32_t numbers) : stamp_(numbers, 0) {}
+
+    /// Offers what can be done at a corner, in place of what was before.
+    void add(std::uint32_t corner, double price) { waiting_.push({price, corner, ++stamp_[corner]}); }
+    /// Takes back what was offered there.
+    void take_back(std::uint32_t corner) { ++stamp_[corner]; }
+    /// Takes out the cheapest one, if there is any.
+    std::optional<Offer> take_out() {
+        while (!waiting_.empty()) {
+            const Offer best = waiting_.top();
+            waiting_.pop();
+            if (best.stamp == stamp_[best.corner]) return best;
+        }
+        return {};
+    }
+    /// None that waits is cheaper than this; it may be the price of one that counts no more.
+    [[nodiscard]] double least_price() const {
+        return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.top().price;
+    }
+
+  private:
+    std::priority_queue<Offer> waiting_;
+    std::vector<std::uint32_t> stamp_;  // of a corner's last offer
+};
+
+}  // namespace hmesh::kit::detail
+
+#endif  // HMESH_OUTLINE_OFFERS_HPP
+
 // ---- hmesh/outline/remove_corners.hpp
 
 /// \file
@@ -1912,7 +1971,6 @@ class Polygons {
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <queue>
 #include <vector>
 
 namespace hmesh::kit {
@@ -2036,46 +2094,6 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, CornerRemo
 }
 
 // --- the cheapest first ---
-
-/// Removals by their prices. Of a corner, the last one that was offered counts, and no more once it is taken back or taken out.
-class Offers {
-  public:
-    /// That of one corner.
-    struct Offer {
-        double price;          ///< double area for each corner less
-        std::uint32_t corner,  ///< its number
-            stamp;             ///< which one of that corner's it is
-        /// The best one is the last.
-        bool operator<(const Offer& other) const noexcept {
-            return price != other.price ? price > other.price : corner > other.corner;
-        }
-    };
-
-    /// For corners with numbers below this.
-    explicit Offers(std::uint32_t numbers) : stamp_(numbers, 0) {}
-
-    /// Offers what can be removed at a corner, in place of what was before.
-    void add(std::uint32_t corner, double price) { waiting_.push({price, corner, ++stamp_[corner]}); }
-    /// Takes back what was offered there.
-    void take_back(std::uint32_t corner) { ++stamp_[corner]; }
-    /// Takes out the cheapest one, if there is any.
-    std::optional<Offer> take_out() {
-        while (!waiting_.empty()) {
-            const Offer best = waiting_.top();
-            waiting_.pop();
-            if (best.stamp == stamp_[best.corner]) return best;
-        }
-        return {};
-    }
-    /// None that waits is cheaper than this; it may be the price of one that counts no more.
-    [[nodiscard]] double least_price() const {
-        return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.top().price;
-    }
-
-  private:
-    std::priority_queue<Offer> waiting_;
-    std::vector<std::uint32_t> stamp_;  // of a corner's last offer
-};
 
 /// Offers what there is at a corner, in place of what was offered there.
 inline void offer(const Polygons& polygons, std::uint32_t v, Offers& offers) {
@@ -2454,7 +2472,7 @@ class Covering {
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <queue>
+#include <optional>
 #include <vector>
 
 namespace hmesh::kit {
@@ -2558,8 +2576,8 @@ class EarCutter {
   public:
     /// Of a ring of corners, by their places.
     EarCutter(const std::vector<GridPoint>& at, const EarRing& ring)
-        : at_(at), nodes_(ring.nodes()), buckets_(box(), nodes_.size()), stamp_(nodes_.size(), 0), left_(nodes_.size()) {
-        for (std::uint32_t n = 0; n < nodes_.size(); ++n) {
+        : at_(at), nodes_(ring.nodes()), buckets_(box(), nodes_.size()), offers_(size()), left_(size()) {
+        for (std::uint32_t n = 0; n < size(); ++n) {
             buckets_.add(n, place(n), place(n));
             offer(n);
         }
@@ -2570,45 +2588,37 @@ class EarCutter {
         std::vector<std::uint32_t> blocked;
         for (bool is_new = true; is_new && left_ > 2;) {
             is_new = false;
-            while (!offers_.empty() && left_ > 2) {
-                const Offer best = offers_.top();
-                offers_.pop();
-                if (best.stamp != stamp_[best.node]) continue;
-                if (!is_ear(best.node)) {
-                    blocked.push_back(best.node);
+            while (left_ > 2) {
+                const std::optional<Offers::Offer> best = offers_.take_out();
+                if (!best) break;
+                if (!is_ear(best->corner)) {
+                    blocked.push_back(best->corner);
                     continue;
                 }
-                faces.push_back(cut_off(best.node));
+                faces.push_back(cut_off(best->corner));
                 is_new = true;
             }
             for (const std::uint32_t n : blocked)
-                if (stamp_[n] != is_gone) offer(n);
+                if (nodes_[n].next != none) offer(n);
             blocked.clear();
         }
     }
 
   private:
-    static constexpr std::uint32_t is_gone = std::numeric_limits<std::uint32_t>::max();  // stamp
+    static constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
 
-    struct Offer {
-        std::int64_t price;
-        std::uint32_t node, stamp;
-        bool operator<(const Offer& other) const noexcept {
-            return price != other.price ? price > other.price : node > other.node;
-        }
-    };
-
+    [[nodiscard]] std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(nodes_.size()); }
     [[nodiscard]] GridPoint place(std::uint32_t n) const noexcept { return at_[nodes_[n].corner]; }
     [[nodiscard]] GridBox box() const noexcept {
         GridBox out(place(0));
-        for (std::uint32_t n = 0; n < nodes_.size(); ++n) out.add(place(n));
+        for (std::uint32_t n = 0; n < size(); ++n) out.add(place(n));
         return out;
     }
     void offer(std::uint32_t n) {
         const GridPoint a = place(nodes_[n].previous), b = place(n), c = place(nodes_[n].next);
-        ++stamp_[n];
         const std::int64_t x = std::int64_t{c.x} - a.x, y = std::int64_t{c.y} - a.y;
-        if (orient2d(a, b, c) > 0) offers_.push({x * x + y * y, n, stamp_[n]});
+        if (orient2d(a, b, c) > 0) offers_.add(n, static_cast<double>(x * x + y * y));  // exact: below 2^50
+        else offers_.take_back(n);
     }
     // Whether no other node is in the triangle of one and its neighbours.
     [[nodiscard]] bool is_ear(std::uint32_t n) const {
@@ -2623,7 +2633,7 @@ class EarCutter {
         const std::uint32_t before = nodes_[n].previous, after = nodes_[n].next;
         buckets_.remove(n, place(n), place(n));
         nodes_[before].next = after, nodes_[after].previous = before;
-        stamp_[n] = is_gone;
+        nodes_[n].next = none;
         --left_;
         offer(before);
         offer(after);
@@ -2631,10 +2641,9 @@ class EarCutter {
     }
 
     const std::vector<GridPoint>& at_;
-    std::vector<EarRing::Node> nodes_;
+    std::vector<EarRing::Node> nodes_;  // next is none where one is cut off
     Buckets buckets_;
-    std::vector<std::uint32_t> stamp_;  // of a node's last offer, or is_gone
-    std::priority_queue<Offer> offers_;
+    Offers offers_;
     std::size_t left_;
 };
 

@@ -393,17 +393,19 @@ class DensityRows {
 
     [[nodiscard]] std::size_t width() const noexcept { return static_cast<std::size_t>(source_->width()); }
     [[nodiscard]] std::size_t count() const noexcept { return static_cast<std::size_t>(source_->height()); }
-    /// Sets `to` to the densities in rows [begin, end), a band or less, but for `even`, the part that all pixels have alike.
-    /// Returns their sum.
-    double find(std::size_t begin, std::size_t end, Array<float>& to) const {
-        to.assign((end - begin) * width(), 1.0F);
-        return go_on_() ? find_density(*source_, begin, end, to.data()) : 0;
+    /// Writes the densities in rows [begin, end), a band or less, but for `even`, the part that all pixels have alike. Returns
+    /// their sum.
+    double find(std::size_t begin, std::size_t end, float* to) const {
+        if (go_on_()) return find_density(*source_, begin, end, to);
+        std::fill_n(to, (end - begin) * width(), 1.0F);
+        return 0;
     }
-    /// Turns such densities of the rows from `begin` on into ranks.
-    void rank(std::size_t begin, float even, Array<float>& densities) const noexcept {
-        for (float& density : densities) density += even;
-        for (std::size_t k = 0; k < densities.size() / width(); ++k)
-            rank_row(densities.data() + k * width(), 0, static_cast<int>(width()), static_cast<int>(begin + k));
+    /// Turns such densities into ranks.
+    void rank(std::size_t begin, std::size_t end, float even, float* densities) const noexcept {
+        for (std::size_t y = begin; y < end; ++y, densities += width()) {
+            for (std::size_t x = 0; x < width(); ++x) densities[x] += even;
+            rank_row(densities, 0, static_cast<int>(width()), static_cast<int>(y));
+        }
     }
 
   private:
@@ -427,18 +429,11 @@ template <int C>
     };
     Array<float> ranks(samples * width);
     const double sum = ordered_sum(parallel_for, samples, 1, [&](std::size_t k, std::size_t) {
-        Array<float> row;
-        const double part = rows.find(row_of(k), row_of(k) + 1, row);
-        std::copy(row.begin(), row.end(), ranks.data() + k * width);
-        return part;
+        return rows.find(row_of(k), row_of(k) + 1, ranks.data() + k * width);
     });
     RankGuess guess;
     guess.even = even_density(sum, static_cast<double>(ranks.size()));
-    for (std::size_t k = 0; k < samples; ++k) {
-        Array<float> row(ranks.data() + k * width, ranks.data() + (k + 1) * width);
-        rows.rank(row_of(k), guess.even, row);
-        std::copy(row.begin(), row.end(), ranks.data() + k * width);
-    }
+    for (std::size_t k = 0; k < samples; ++k) rows.rank(row_of(k), row_of(k) + 1, guess.even, ranks.data() + k * width);
     // Half as many again as there should be.
     const double share = 1.5 * static_cast<double>(count) / static_cast<double>(all);
     const auto last = std::min(ranks.size() - 1, static_cast<std::size_t>(share * static_cast<double>(ranks.size())) + 16);
@@ -461,11 +456,11 @@ template <int C>
                                             const ParallelFor& parallel_for) {
     std::atomic<std::size_t> found{0};
     const double sum = ordered_sum(parallel_for, rows.count(), density_band, [&](std::size_t begin, std::size_t end) {
-        Array<float> densities;
-        const double part = rows.find(begin, end, densities);
+        Array<float> densities((end - begin) * rows.width());
+        const double part = rows.find(begin, end, densities.data());
         if (!(guess.limit > 0) || found > most) return part;
         Array<float> ranks = densities;
-        rows.rank(begin, guess.even, ranks);
+        rows.rank(begin, end, guess.even, ranks.data());
         LikelyPoints likely;
         for (std::size_t k = 0; k < ranks.size(); ++k)
             if (ranks[k] <= guess.limit) {
@@ -536,8 +531,9 @@ template <int C>
     }
     of_band = {};
     const auto ranks = [&](std::size_t begin, std::size_t end, Array<float>& room) -> const float* {
-        (void)rows.find(begin, end, room);
-        rows.rank(begin, even, room);
+        room.resize((end - begin) * rows.width());
+        (void)rows.find(begin, end, room.data());
+        rows.rank(begin, end, even, room.data());
         return room.data();
     };
     return detail::least_ranks(rows.width(), rows.count(), detail::density_band, ranks, count, parallel_for);

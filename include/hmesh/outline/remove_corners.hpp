@@ -19,11 +19,11 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <queue>
 #include <vector>
 
 #include "hmesh/outline/contour.hpp"
 #include "hmesh/outline/grid_geometry.hpp"
+#include "hmesh/outline/offers.hpp"
 #include "hmesh/outline/polygons.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -149,46 +149,6 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, CornerRemo
 }
 
 // --- the cheapest first ---
-
-/// Removals by their prices. Of a corner, the last one that was offered counts, and no more once it is taken back or taken out.
-class Offers {
-  public:
-    /// That of one corner.
-    struct Offer {
-        double price;          ///< double area for each corner less
-        std::uint32_t corner,  ///< its number
-            stamp;             ///< which one of that corner's it is
-        /// The best one is the last.
-        bool operator<(const Offer& other) const noexcept {
-            return price != other.price ? price > other.price : corner > other.corner;
-        }
-    };
-
-    /// For corners with numbers below this.
-    explicit Offers(std::uint32_t numbers) : stamp_(numbers, 0) {}
-
-    /// Offers what can be removed at a corner, in place of what was before.
-    void add(std::uint32_t corner, double price) { waiting_.push({price, corner, ++stamp_[corner]}); }
-    /// Takes back what was offered there.
-    void take_back(std::uint32_t corner) { ++stamp_[corner]; }
-    /// Takes out the cheapest one, if there is any.
-    std::optional<Offer> take_out() {
-        while (!waiting_.empty()) {
-            const Offer best = waiting_.top();
-            waiting_.pop();
-            if (best.stamp == stamp_[best.corner]) return best;
-        }
-        return {};
-    }
-    /// None that waits is cheaper than this; it may be the price of one that counts no more.
-    [[nodiscard]] double least_price() const {
-        return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.top().price;
-    }
-
-  private:
-    std::priority_queue<Offer> waiting_;
-    std::vector<std::uint32_t> stamp_;  // of a corner's last offer
-};
 
 /// Offers what there is at a corner, in place of what was offered there.
 inline void offer(const Polygons& polygons, std::uint32_t v, Offers& offers) {
