@@ -147,6 +147,9 @@ struct HeldMesh {
     }
 };
 
+// Bytes from one row to the next; 0, which stands for packed rows, of a single one, of which numpy calls any stride contiguous.
+[[nodiscard]] py::ssize_t row_stride(const py::array& array) { return array.shape(0) > 1 ? array.strides(0) : 0; }
+
 // An image array of shape (h, w, c), laid out as Pixels are.
 struct HeldImage {
     py::array array;
@@ -156,7 +159,7 @@ struct HeldImage {
     explicit HeldImage(const py::array& from) : array(from), pixels{}, channels(static_cast<int>(from.shape(2))) {
         const auto side = [](py::ssize_t size) { return static_cast<int>(std::min<py::ssize_t>(size, 1 << 30)); };
         const py::ssize_t item = from.itemsize();
-        pixels = {from.data(), side(from.shape(1)), side(from.shape(0)), from.strides(0),
+        pixels = {from.data(), side(from.shape(1)), side(from.shape(0)), row_stride(from),
                   item == 1   ? Sample::uint8
                   : item == 2 ? Sample::uint16
                               : Sample::float32};
@@ -271,11 +274,11 @@ struct HeldOptions {
         if (!weights.is_none()) {
             const auto array = weights.cast<py::array_t<float>>();
             options.weights = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
-                               array.strides(0)};
+                               row_stride(array)};
         }
         if (!mask.is_none()) {
             const auto array = mask.cast<py::array_t<std::uint8_t>>();
-            options.mask = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), array.strides(0)};
+            options.mask = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), row_stride(array)};
         }
     }
 };

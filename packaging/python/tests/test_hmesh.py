@@ -96,6 +96,20 @@ def test_strides_do_not_matter(dtype):
                 hmesh.mesh_image(image, vertices=100, effort="draft", weights=weights))
 
 
+def test_columns_turned_into_one_row_are_images():
+    row = picture(200, 1)
+    turned = row.transpose(1, 0, 2).copy().transpose(1, 0, 2)  # numpy calls it contiguous, and its rows are a pixel apart
+    assert turned.flags.c_contiguous and turned.strides[0] < turned.nbytes
+    weights = np.linspace(1, 2, 200, dtype=np.float32)
+    assert same(hmesh.mesh_image(turned, vertices=30, weights=weights[:, np.newaxis].T),
+                hmesh.mesh_image(row, vertices=30, weights=weights.reshape(1, 200)))
+    assert hmesh.compact_image(turned, 300).data == hmesh.compact_image(row, 300).data
+    bound = {"max_error": 3, "samples": "squares"}
+    mask = (np.arange(200) > 20).astype(np.uint8)
+    assert same(hmesh.mesh_terrain(turned[:, :, 0].T.copy().T, mask=mask[:, np.newaxis].T, **bound),
+                hmesh.mesh_terrain(row[:, :, 0], mask=mask.reshape(1, 200), **bound))
+
+
 def test_threads_do_not_matter():
     image = picture(400, 300)
     wanted = hmesh.mesh_image(image, percent=1, effort="fast", threads=1)
