@@ -147,9 +147,6 @@ struct HeldMesh {
     }
 };
 
-// Bytes from one row to the next; 0, which stands for packed rows, of a single one, of which numpy calls any stride contiguous.
-[[nodiscard]] py::ssize_t row_stride(const py::array& array) { return array.shape(0) > 1 ? array.strides(0) : 0; }
-
 // An image array of shape (h, w, c), laid out as Pixels are.
 struct HeldImage {
     py::array array;
@@ -159,7 +156,8 @@ struct HeldImage {
     explicit HeldImage(const py::array& from) : array(from), pixels{}, channels(static_cast<int>(from.shape(2))) {
         const auto side = [](py::ssize_t size) { return static_cast<int>(std::min<py::ssize_t>(size, 1 << 30)); };
         const py::ssize_t item = from.itemsize();
-        pixels = {from.data(), side(from.shape(1)), side(from.shape(0)), row_stride(from),
+        const py::ssize_t row_stride = from.shape(0) > 1 ? from.strides(0) : 0;  // numpy calls any stride of one row contiguous
+        pixels = {from.data(), side(from.shape(1)), side(from.shape(0)), row_stride,
                   item == 1   ? Sample::uint8
                   : item == 2 ? Sample::uint16
                               : Sample::float32};
@@ -253,7 +251,7 @@ class Listener {
 // Options and what they refer to.
 struct HeldOptions {
     hmesh::Options options;
-    py::object weights, mask;  // arrays, or None
+    py::object weights, mask;  // packed arrays, or None
 
     explicit HeldOptions(const py::dict& from) : weights(from["weights"]), mask(from["mask"]) {
         const auto kind = get<std::string>(from, "target");
@@ -273,12 +271,11 @@ struct HeldOptions {
         for (const py::handle weight : from["channel_weights"]) options.channel_weights.push_back(weight.cast<double>());
         if (!weights.is_none()) {
             const auto array = weights.cast<py::array_t<float>>();
-            options.weights = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)),
-                               row_stride(array)};
+            options.weights = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))};
         }
         if (!mask.is_none()) {
             const auto array = mask.cast<py::array_t<std::uint8_t>>();
-            options.mask = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0)), row_stride(array)};
+            options.mask = {array.data(), static_cast<int>(array.shape(1)), static_cast<int>(array.shape(0))};
         }
     }
 };
