@@ -28,7 +28,8 @@
 #
 # What OPTIONS names, such as --weights "${CMAKE_CURRENT_SOURCE_DIR}/mask.png", is watched too: the command writes depfiles,
 # which the generators of Ninja and of makefiles read. Each image is meshed on one thread, so that the build may run many at
-# once; the bytes are the same for any number of threads.
+# once; the bytes are the same for any number of threads. CMake does not quote all names for depfiles: those with a colon are
+# refused, and under Ninja, which would mesh at each build, those with a dollar.
 #
 # The command is the variable HMESH_COMMAND, or the one that hmesh's own build makes (HMESH_BUILD_COMMAND), or the program
 # `hmesh` that was installed with the package or is on the path. When cross-compiling it is one of the host: HMESH_COMMAND,
@@ -149,10 +150,21 @@ function(hmesh_add_meshes target)
     set(depfiles "${CMAKE_CURRENT_BINARY_DIR}/CMakeFiles/${target}.dir")
     hmesh_find_command(command)
 
+    set(foreign "[:]")
+    if(CMAKE_GENERATOR MATCHES "Ninja")
+        set(foreign "[:$]")
+    endif()
+
     set(files "")
     foreach(source IN LISTS arg_SOURCES)
         get_filename_component(image "${source}" ABSOLUTE)
         get_filename_component(name "${image}" NAME_WLE)
+        string(GENEX_STRIP "${image};${arg_OUTPUT_DIRECTORY}" places)
+        string(REGEX REPLACE "(^|;)[A-Za-z]:/" "\\1/" places "${places}")  # drives
+        if(places MATCHES "${foreign}")
+            message(FATAL_ERROR "hmesh_add_meshes(${target}): ${image} or its OUTPUT_DIRECTORY has a '${CMAKE_MATCH_0}', which "
+                                "CMake does not quote for ${CMAKE_GENERATOR}")
+        endif()
         set(outputs "")
         set(others "")
         foreach(format IN LISTS arg_FORMAT)

@@ -141,6 +141,10 @@ check_refusals() {
     mkdir "$work/other"
     refuses "two images are named one" "-DIMAGES=$work/one.pgm;$work/other/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm"
     refuses "RATE and PSNR cannot both be given" "-DIMAGES=$work/one.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" "-DRATE=8;PSNR;30"
+    for image in a:b/one "one\$1"; do
+        refuses "$work/$image.pgm or its OUTPUT_DIRECTORY has a '" "-DIMAGES=$work/$image.pgm" "-DIMAGE_WEIGHTS=$work/weights.pgm" -DRATE=8
+    done
+    refuses "its OUTPUT_DIRECTORY has a '\$', which CMake does not quote for Ninja" "$@" "-DMORE=OUTPUT_DIRECTORY;a\$b"
     formats=$("$command" "$work/one.pgm" -o mesh.xyz 2>&1 | sed -n 's/.*must end in \([^;]*\);.*/\1/p' | tr -d .) || true
     refuses "FORMAT 'xyz' is not $formats" "$@" "-DMORE=FORMAT;ply;xyz"
     efforts=$("$command" "$work/one.pgm" --effort Fast 2>&1 | sed -n "s/.*'Fast' is not //p") || true
@@ -170,7 +174,7 @@ check_refusals() {
     refuses "HMESH_OPTIONS of $work/one.pgm: --outline says which files are made: it is OUTLINE" "$@" "-DOWN_OPTIONS=--outline"
     refuses "HMESH_OPTIONS of $work/one.pgm: '--sprite --seed 2' is one word to CMake" "$@" "-DOWN_OPTIONS=--sprite --seed 2"
     set -- "$@" -DOWN_OPTIONS=
-    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "PERIODIC;none" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
+    for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "PERIODIC;none" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'OUTPUT_DIRECTORY;$<1:a>' 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
     done
 }
