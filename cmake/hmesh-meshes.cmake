@@ -238,7 +238,8 @@ function(hmesh_add_meshes target)
     set_target_properties(${target} PROPERTIES HMESH_FILES "${files}")
 endfunction()
 
-# Refuses options that make files of which the build would not know, and several options in one word.
+# Refuses options that make files of which the build would not know, those of meshes for OUTLINE (the caller's arg_OUTLINE), and
+# several options in one word.
 function(hmesh_check_options whose)
     set(keyword_--format FORMAT)
     set(keyword_--lods LODS)
@@ -249,6 +250,8 @@ function(hmesh_check_options whose)
                                 "hmesh_add_meshes()")
         elseif(option MATCHES "^(-o|--output|--depfile)")  # -oFILE is one word
             message(FATAL_ERROR "${whose}: ${CMAKE_MATCH_1} is given by hmesh_add_meshes()")
+        elseif(arg_OUTLINE AND option MATCHES "^(--rate|--vertices|--psnr|--bytes|--effort|--periodic|--sprite)(=|$)")
+            message(FATAL_ERROR "${whose}: ${CMAKE_MATCH_1} means nothing to OUTLINE, which makes no mesh of colours")
         elseif(option MATCHES "^--[a-z-]+ ")
             message(FATAL_ERROR "${whose}: '${option}' is one word to CMake: options and values are apart, as in --rate;2")
         endif()

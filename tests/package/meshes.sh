@@ -173,6 +173,10 @@ check_refusals() {
     refuses "OPTIONS: --depfile is given by hmesh_add_meshes()" "$@" "-DMORE=OPTIONS;--depfile=x.d"
     refuses "HMESH_OPTIONS of $work/one.pgm: --outline says which files are made: it is OUTLINE" "$@" "-DOWN_OPTIONS=--outline"
     refuses "HMESH_OPTIONS of $work/one.pgm: '--sprite --seed 2' is one word to CMake" "$@" "-DOWN_OPTIONS=--sprite --seed 2"
+    for own in --rate=3 "--vertices;20" "--psnr;30" "--bytes;300" --effort=fast "--periodic;x" --sprite; do
+        refuses "HMESH_OPTIONS of $work/one.pgm: ${own%[=;]*} means nothing to OUTLINE" "$@" -DMORE=OUTLINE "-DOWN_OPTIONS=$own"
+    done
+    refuses "OPTIONS: --vertices means nothing to OUTLINE" "$@" -DOWN_OPTIONS= "-DMORE=OUTLINE;OPTIONS;--vertices;20"
     set -- "$@" -DOWN_OPTIONS=
     for more in "RATE;1e2" "RATE;+.5" "PSNR;32.5" "VERTICES;4" "LODS;1" "MAX_VERTICES;4;PSNR;32.5" "MAX_VERTICES;4;SPRITE" "PERIODIC;none" "OUTLINE;FORMAT;OBJ" 'RATE;$<IF:$<CONFIG:Debug>,5,8>' "FORMAT;PLY;glb" 'OUTPUT_DIRECTORY;$<1:a>' 'EFFORT;$<IF:$<CONFIG:Debug>,draft,best>'; do
         project "$source/tests/package/meshes" "$@" "-DMORE=$more" || fail "refused: $more"
