@@ -230,6 +230,18 @@ def test_what_cannot_be_read_by_rectangles_is_refused(hmesh):
     assert not Path("a.ply").exists()
 
 
+@pytest.mark.parametrize("name", ["grey.pgm", "16.ppm", "grey.pfm"])
+def test_a_header_is_looked_for_in_the_first_65536_bytes(hmesh, name):
+    draw(name)
+    file = read(name)
+    Path(name).write_bytes(file[:2] + b"\n#" + b"x" * 60000 + file[2:])
+    for out_of_core in ["", "--out-of-core"]:
+        hmesh.done(f"{name} --vertices 100 --effort draft {out_of_core} -o a.ply")
+    Path(name).write_bytes(file[:2] + b"\n#" + b"x" * 65536 + file[2:])
+    hmesh.done(f"{name} --vertices 100 --effort draft -o a.ply")
+    hmesh.fails("its header does not end within 65536 bytes", f"{name} --vertices 100 --out-of-core -o a.ply")
+
+
 def test_a_sample_that_cannot_be_ends_the_work_with_its_rectangle(hmesh):
     hmesh.fails("the image could not be read (columns 0 to 1 of rows 0 to 1): it has a sample above the maximum of its PNM header",
                 "above.pgm --out-of-core -o a.ply")

@@ -217,6 +217,8 @@ def test_a_pgm_of_8_bits_is_read_as_it_is(terrain):
     for reader in readers(terrain):
         terrain.done(f"dem.pgm -o model.ply --max-error 3 {reader}")
         assert judge(heights, read_model("model.ply"), from_south(16)) <= 3
+    write("dem.pgm", b"P5\n#" + b"x" * 65536 + b"\n20 16\n100\n" + bytes(320))
+    terrain.fails("its header does not end within 65536 bytes", "dem.pgm -o model.ply --max-error 3 --no-gdal")
 
 
 @pytest.mark.parametrize("center", [False, True])

@@ -78,6 +78,7 @@ std::string read_pnm_layout(Bytes file, PlainLayout& layout) {
     layout.width = next_number(file, at);
     layout.height = next_number(file, at);
     const int maximum = next_number(file, at);
+    if (at >= file.size) return endless_header(file);
     if (layout.width < 1 || layout.height < 1) return "its PNM header has no valid size";
     if (maximum < 1 || maximum > 65535) return "its PNM header has no maximum from 1 to 65535";
     if (!is_space(file.u8(at++))) return "its PNM header does not end in white space";
@@ -93,8 +94,9 @@ std::string read_pfm_layout(Bytes file, PlainLayout& layout) {
     layout.channels = file.u8(1) == 'F' ? 3 : 1;
     layout.width = next_number(file, at);
     layout.height = next_number(file, at);
-    if (layout.width < 1 || layout.height < 1) return "its PFM header has no valid size";
     const double scale = next_real(file, at);
+    if (at >= file.size) return endless_header(file);
+    if (layout.width < 1 || layout.height < 1) return "its PFM header has no valid size";
     if (!std::isfinite(scale) || !(scale < 0 || scale > 0)) return "its PFM header has no scale other than 0";
     if (!is_space(file.u8(at++))) return "its PFM header does not end in white space";
     layout.sample_bytes = 4;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "readers/bytes.hpp"
 
@@ -28,6 +29,11 @@ inline void skip_space(Bytes file, std::size_t& at) noexcept {
         value = (value < 0 ? 0 : value * 10) + static_cast<int>(file.u8(at) - '0');
     }
     return value;
+}
+
+// Of a header that is looked for in these bytes, a whole file or its beginning, and goes on behind them.
+[[nodiscard]] inline std::string endless_header(Bytes file) {
+    return "its header does not end within " + std::to_string(file.size) + " bytes";
 }
 
 }  // namespace tool

@@ -17,6 +17,7 @@ std::string open_pgm(const std::string& path, const ReadOptions& options, DemPoi
     grid->width = tool::next_number(file, at);
     grid->height = tool::next_number(file, at);
     const int maximum = tool::next_number(file, at);
+    if (at >= file.size) return tool::endless_header(file);
     if (grid->width < 1 || grid->height < 1) return "its PNM header has no valid size";
     if (maximum < 1 || maximum > 65535) return "its PNM header has no maximum from 1 to 65535";
     if (!tool::is_space(file.u8(at++))) return "its PNM header does not end in white space";
