@@ -252,7 +252,10 @@ test('readPng() reads every kind of pixels, every filter, and Adam7', () => {
   // 3 x 3 px in passes 1, 4 (px 2 0), 5 (row 2), 6 (column 1 of rows 0 and 2), 7 (row 1).
   const woven = of(3, 3, 8, 0, [0, 1, 0, 3, 0, 7, 9, 0, 2, 0, 8, 0, 4, 5, 6], { isInterlaced: true }).filter((_, i) => i % 4 === 0);
   assert.deepEqual(woven, [1, 2, 3, 4, 5, 6, 7, 8, 9]);
-  for (const bad of [makePng(2, 1, 3, 2, [0]), makePng(0, 1, 8, 2, [0]), makePng(2, 2, 8, 2, [0, 1]), makePng(65536, 65536, 8, 2, [0]), Buffer.alloc(9),
+  // Bytes behind the pixels, and behind the last chunk, are nothing.
+  const longer = Buffer.concat([makePng(2, 1, 8, 2, [0, 1, 2, 3, 4, 5, 6, ...Array(99).fill(7)]), Buffer.alloc(40, 1)]);
+  assert.deepEqual([...readPng(longer).data], [1, 2, 3, 255, 4, 5, 6, 255]);
+  for (const bad of [makePng(2, 1, 8, 2, Array(2 ** 21).fill(0)), makePng(2, 1, 3, 2, [0]), makePng(0, 1, 8, 2, [0]), makePng(2, 2, 8, 2, [0, 1]), makePng(65536, 65536, 8, 2, [0]), Buffer.alloc(9),
     makePng(4, 3, 8, 0, Array(15).fill(7)).subarray(0, 50)])
     assert.throws(() => readPng(bad), /^Error: the PNG file /);
 });

@@ -2,6 +2,7 @@
 import { inflateSync } from 'node:zlib';
 
 const MOST_PIXELS = 2 ** 27;
+const MOST_SURPLUS = 2 ** 20;  // bytes behind the pixels, which other readers pass over
 const CHANNELS = { 0: 1, 2: 3, 3: 1, 4: 2, 6: 4 };
 const DEPTHS = { 0: [1, 2, 4, 8, 16], 2: [8, 16], 3: [1, 2, 4, 8], 4: [8, 16], 6: [8, 16] };
 // Adam7: first column and row, and steps.
@@ -47,7 +48,7 @@ export function readPng(bytes) {
   const size = passes.reduce((sum, pass) => sum + pass.rows * (1 + rowSize(pass)), 0);
   let packed;
   try {
-    packed = inflateSync(Buffer.concat(parts), { maxOutputLength: size + 1 });
+    packed = inflateSync(Buffer.concat(parts), { maxOutputLength: size + MOST_SURPLUS });
   } catch (error) {
     refuse(`is damaged: ${error.message}`);
   }
