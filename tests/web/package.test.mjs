@@ -400,7 +400,9 @@ test('threads give the bytes of one thread, and running out of memory ends none 
     await init({ threads: 64, maximumMemory });
     assert.equal((await meshImage(image, { vertices: 50 })).vertices, 50);
   }
-  for (const threads of [0, NaN, 65]) assert.match((await errorOf(() => init({ threads }))).message, /threads must be from 1 to 64/);
+  for (const threads of [0, NaN, 65, 2n, Symbol('two')])
+    assert.match((await errorOf(() => init({ threads }))).message, /threads must be from 1 to 64: (0|NaN|65|2|Symbol)/);
+  for (const nothing of [undefined, null, { threads: null }]) await init(nothing);
   await init({ threads: 2, maximumMemory: 2048 });
 });
 

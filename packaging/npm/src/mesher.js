@@ -9,7 +9,7 @@ const SMALL = 65536;
 
 // A memory that may grow to so many MiB, or where there is no room for that, as on phones, to less.
 function sharedMemory(most) {
-  for (let maximum = Math.floor(16 * most); ; maximum >>= 1)
+  for (let maximum = 16 * most | 0; ; maximum >>= 1)
     try {
       return new WebAssembly.Memory({ initial: 64, maximum, shared: true });
     } catch (error) {
@@ -221,8 +221,9 @@ function kept(compile) {
 export function bindTo({ compile, compileCompact, spawn, threads: mostThreads }) {
   const [takePlain, plain] = kept((source) => compile(source, canShare())), [takeCompact, compact] = kept(compileCompact);
   let start, count, most = 2048;
-  const init = async ({ wasm, compactWasm, worker = start, threads = count, maximumMemory = most } = {}) => {
-    if (threads !== undefined) checkRange('threads', threads, 1, 64);
+  const init = async (setup) => {
+    const { wasm, compactWasm, worker = start, threads = count, maximumMemory = most } = setup ?? {};
+    checkRange('threads', threads ?? 1, 1, 64);
     checkRange('maximumMemory', maximumMemory, 8, 2048);
     [start, count, most] = [worker, threads, maximumMemory];
     takePlain(wasm);
