@@ -1532,6 +1532,11 @@ struct GridPoint {
 [[nodiscard]] constexpr std::int64_t orient2d(GridPoint a, GridPoint b, GridPoint c) noexcept {
     return (std::int64_t{b.x} - a.x) * (std::int64_t{c.y} - a.y) - (std::int64_t{c.x} - a.x) * (std::int64_t{b.y} - a.y);
 }
+/// How far p is from o on in the direction from a to b, times the length of that; exact for coordinates that differ by less than
+/// 2^30.
+[[nodiscard]] constexpr std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
+    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
+}
 
 namespace detail {
 

@@ -144,11 +144,6 @@ namespace hmesh::detail {
 using kit::GridPoint;
 using kit::orient2d;
 
-/// The scalar product of the ways from p to a and from p to b.
-[[nodiscard]] constexpr std::int64_t scalar_product(GridPoint p, GridPoint a, GridPoint b) noexcept {
-    return (std::int64_t{a.x} - p.x) * (std::int64_t{b.x} - p.x) + (std::int64_t{a.y} - p.y) * (std::int64_t{b.y} - p.y);
-}
-
 /// The place of d relative to the circle through the positive a, b, c: 1 inside, 0 on it, -1 outside.
 [[nodiscard]] inline int in_circle_sign(GridPoint a, GridPoint b, GridPoint c, GridPoint d) noexcept {
     const std::int64_t ax = std::int64_t{a.x} - d.x, ay = std::int64_t{a.y} - d.y, bx = std::int64_t{b.x} - d.x,
@@ -177,7 +172,7 @@ using kit::orient2d;
             while (table[q] < cotangents.size() && cotangents[table[q]] > static_cast<int>(q)) ++table[q];
         return table;
     }();
-    const std::int64_t product = scalar_product(p, a, b), area = orient2d(p, a, b);
+    const std::int64_t product = kit::along(p, p, a, b), area = orient2d(p, a, b);
     const auto size = static_cast<std::uint64_t>(64 * (product < 0 ? -product : product)),
                unit = static_cast<std::uint64_t>(area);
     // A cotangent is above a fraction where it is above its whole part, and above none where that is 1304 or more. Of short edges

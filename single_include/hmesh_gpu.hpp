@@ -1429,6 +1429,7 @@ struct Contours {
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 namespace hmesh::kit {
 
@@ -1449,11 +1450,16 @@ struct GridBox {
     }
     /// Whether a point is in it.
     [[nodiscard]] bool has(GridPoint p) const noexcept { return p.x >= left && p.x <= right && p.y >= top && p.y <= bottom; }
+    /// Clockwise on the screen.
+    [[nodiscard]] Loop corners() const { return {{left, top}, {right, top}, {right, bottom}, {left, bottom}}; }
 };
 
-/// How far p is from o on in the direction from a to b, times the length of that. Exact.
-[[nodiscard]] constexpr std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
+/// The least box around polygons, of which there is one at least.
+[[nodiscard]] inline GridBox box_of(const std::vector<Loop>& loops) noexcept {
+    GridBox box(loops.front().front());
+    for (const Loop& loop : loops)
+        for (const GridPoint p : loop) box.add(p);
+    return box;
 }
 
 /// Twice the signed area of the quadrilateral (a, b, c, d) in square units, exact.
@@ -1829,12 +1835,6 @@ class Polygons {
         std::size_t sum = 0;
         for (const Loop& contour : contours) sum += contour.size();
         return sum;
-    }
-    static GridBox box_of(const std::vector<Loop>& contours) {
-        GridBox box(contours.front().front());
-        for (const Loop& contour : contours)
-            for (const GridPoint p : contour) box.add(p);
-        return box;
     }
 
     void grow(std::uint32_t loop, std::int64_t change) {
@@ -2793,14 +2793,6 @@ template <class T, int C>
     return kit::convex_hull(std::move(points));
 }
 
-/// The rectangle around polygons.
-[[nodiscard]] inline kit::Loop box_of(const std::vector<kit::Loop>& loops) {
-    kit::GridBox box(loops.front().front());
-    for (const kit::Loop& loop : loops)
-        for (const kit::GridPoint p : loop) box.add(p);
-    return {{box.left, box.top}, {box.right, box.top}, {box.right, box.bottom}, {box.left, box.bottom}};
-}
-
 /// The fewest corners found around contours whose area is at most `largest`, px^2, and that are at most `most`, whatever their
 /// area is: there may be more where no more can go.
 [[nodiscard]] inline kit::Covering simplified(kit::Covering covering, std::size_t most, double largest) {
@@ -2837,7 +2829,7 @@ template <class T, int C>
     }
     const kit::Covering hull = simplified({{hull_of(contours.loops)}, width, height}, most, largest);
     if (hull.corners() <= most) return hull.loops();
-    return {box_of(contours.loops)};
+    return {kit::box_of(contours.loops).corners()};
 }
 
 /// outline() of a mask, with options in range.

@@ -44,6 +44,11 @@ TEST_CASE("segments meet and points are in triangles as whole numbers say, ends 
     CHECK_FALSE(hmesh::kit::is_in_triangle({0, 0}, {4, 4}, {2, 2}, {5, 5}));
 }
 
+TEST_CASE("the box of polygons is the least that has all their corners, its own clockwise on the screen") {
+    const GridBox box = hmesh::kit::box_of({{{3, 4}, {9, 5}, {4, 6}}, {{5, -2}, {6, 8}, {-1, 5}}});
+    CHECK(box.corners() == Loop{{-1, -2}, {9, -2}, {9, 8}, {-1, 8}});
+}
+
 TEST_CASE("the hull of points is convex, clockwise on the screen, and has them all inside") {
     hmesh::kit::Random random(1);
     for (int round = 0; round < 50; ++round) {

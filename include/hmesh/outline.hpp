@@ -99,14 +99,6 @@ template <class T, int C>
     return kit::convex_hull(std::move(points));
 }
 
-/// The rectangle around polygons.
-[[nodiscard]] inline kit::Loop box_of(const std::vector<kit::Loop>& loops) {
-    kit::GridBox box(loops.front().front());
-    for (const kit::Loop& loop : loops)
-        for (const kit::GridPoint p : loop) box.add(p);
-    return {{box.left, box.top}, {box.right, box.top}, {box.right, box.bottom}, {box.left, box.bottom}};
-}
-
 /// The fewest corners found around contours whose area is at most `largest`, px^2, and that are at most `most`, whatever their
 /// area is: there may be more where no more can go.
 [[nodiscard]] inline kit::Covering simplified(kit::Covering covering, std::size_t most, double largest) {
@@ -143,7 +135,7 @@ template <class T, int C>
     }
     const kit::Covering hull = simplified({{hull_of(contours.loops)}, width, height}, most, largest);
     if (hull.corners() <= most) return hull.loops();
-    return {box_of(contours.loops)};
+    return {kit::box_of(contours.loops).corners()};
 }
 
 /// outline() of a mask, with options in range.

@@ -10,6 +10,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <vector>
 
 #include "hmesh/outline/contour.hpp"
 
@@ -34,11 +35,16 @@ struct GridBox {
     }
     /// Whether a point is in it.
     [[nodiscard]] bool has(GridPoint p) const noexcept { return p.x >= left && p.x <= right && p.y >= top && p.y <= bottom; }
+    /// Clockwise on the screen.
+    [[nodiscard]] Loop corners() const { return {{left, top}, {right, top}, {right, bottom}, {left, bottom}}; }
 };
 
-/// How far p is from o on in the direction from a to b, times the length of that. Exact.
-[[nodiscard]] constexpr std::int64_t along(GridPoint o, GridPoint a, GridPoint b, GridPoint p) noexcept {
-    return (std::int64_t{b.x} - a.x) * (std::int64_t{p.x} - o.x) + (std::int64_t{b.y} - a.y) * (std::int64_t{p.y} - o.y);
+/// The least box around polygons, of which there is one at least.
+[[nodiscard]] inline GridBox box_of(const std::vector<Loop>& loops) noexcept {
+    GridBox box(loops.front().front());
+    for (const Loop& loop : loops)
+        for (const GridPoint p : loop) box.add(p);
+    return box;
 }
 
 /// Twice the signed area of the quadrilateral (a, b, c, d) in square units, exact.

@@ -215,12 +215,6 @@ class Polygons {
         for (const Loop& contour : contours) sum += contour.size();
         return sum;
     }
-    static GridBox box_of(const std::vector<Loop>& contours) {
-        GridBox box(contours.front().front());
-        for (const Loop& contour : contours)
-            for (const GridPoint p : contour) box.add(p);
-        return box;
-    }
 
     void grow(std::uint32_t loop, std::int64_t change) {
         parts_[loop].double_area += change;
