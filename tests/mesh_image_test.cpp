@@ -171,6 +171,9 @@ TEST_CASE("a number of vertices that is none is refused: NaN, infinite, or beyon
     const auto image = small_scene();
     for (const double bad : {not_a_number, infinity, -infinity, 1e300, -1e300})
         check_refused(mesh_of(image, Target{Target::Kind::vertices, bad}, Effort::draft), Errc::target_out_of_range);
+    // By the limit that it passes.
+    for (const auto& [bad, limit] : {std::pair<double, int>{infinity, 480}, {1e300, 480}, {-infinity, 4}, {not_a_number, 4}})
+        CHECK(check(options_of(Target{Target::Kind::vertices, bad}), 480, 3).limit == limit);
 }
 
 TEST_CASE("a percentage must be above 0 and at most 100 percent") {

@@ -134,7 +134,7 @@ struct Options {
     const std::int64_t most = std::max<std::int64_t>(4, pixels);
     switch (target.kind) {
         case Target::Kind::vertices:
-            if (kit::is_finite(target.value) && target.value > static_cast<double>(most) && !target.good_enough)
+            if (target.value > static_cast<double>(most) && !target.good_enough)
                 return {Errc::target_out_of_range, "a mesh has at most one vertex a pixel", target.value, most};
             if (!kit::is_within(target.value, 4, std::max(target.value, 4.0)))
                 return {Errc::target_out_of_range, "a mesh has at least 4 vertices", target.value, 4};

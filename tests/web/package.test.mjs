@@ -268,6 +268,7 @@ test('what is no image, no option and no mesh is refused with a sentence that na
   mesher.setImage(image);
   const options = [
     [{ vertices: 3 }, /at least 4 vertices \(3/], [{ vertices: 1e6 }, /at most one vertex a pixel \(1000000, limit 3072\)/],
+    [{ vertices: Infinity }, /at most one vertex a pixel/],
     [{ vertices: NaN }, /not finite/], [{ vertices: '100' }, /vertices must be a number: 100/], [{ percent: 0 }, /above 0/], [{ percent: 101 }, /101/],
     [{ psnr: -1 }, /positive/], [{ psnr: Infinity }, /finite/], [{ vertices: 10, psnr: 30 }, /vertices, psnr/], [{ vertices: 10n }, /number: 10/],
     [{ effort: 'hard' }, /effort .*hard/], [{ effort: Symbol('x') }, /effort .*Symbol/], [{ seed: -1 }, /seed .*-1/], [{ seed: 0.5 }, /seed .*0\.5/],
