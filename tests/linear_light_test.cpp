@@ -402,6 +402,20 @@ TEST_CASE("float images and colours may leave the range: colours are held to it 
     for (const float color : mesh.colors) CHECK(std::clamp(color, 0.0F, 1.0F) == color);
 }
 
+TEST_CASE("the peak is the mesh's, whatever the samples are: floats up to 256 are fitted as those up to 1") {
+    const auto image = contrasty<float, 3>(24, 20, 3);
+    Image<float, 3> scaled(24, 20);
+    for (int y = 0; y < 20; ++y)
+        for (int x = 0; x < 24; ++x)
+            for (int k = 0; k < 3; ++k) scaled.pixel(x, y)[k] = 256 * image.pixel(x, y)[k];
+    Mesh mesh = jittered(image, 4, 2), other = jittered(scaled, 4, 2);
+    other.peak = 256;
+    const LinearLightReport report = fit_linear_light(mesh, image.view()), of_scaled = fit_linear_light(other, scaled.view());
+    CHECK(report.energy < 0.9 * report.converted);
+    CHECK(of_scaled.energy == 65536 * report.energy);
+    CHECK(of_scaled.psnr == doctest::Approx(report.psnr));
+}
+
 TEST_CASE("a mesh that is not one of the image is refused and left as it was") {
     const auto image = contrasty<std::uint8_t, 4>(12, 12, 3);
     const Mesh good = jittered(image, 3, 3);

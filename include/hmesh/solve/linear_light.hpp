@@ -368,7 +368,8 @@ class LinearLight {
 /// Fits the colours of a finished mesh for renderers that interpolate linear light: those of least squared error to the image in
 /// stored values. Call it after mesh_image() and before write_glb(), say: renderers of glTF interpolate linear light.
 /// Positions and faces stay, and the copies of a vertex on the border of a periodic mesh keep one colour. Colours remain stored
-/// values, in [0, peak]; the current ones, held to that range, are the start, and the error never rises.
+/// values, in [0, peak]; the current ones, held to that range, are the start, and the error never rises. The peak is the mesh's:
+/// where an image's is not that of its type, as of 12 bits in words of 16, set Mesh::peak before the call.
 ///
 /// `view`: the image that was meshed, of the mesh's size and channels. `go_on(share)`, where given, is called before each step
 /// with the share of the work done, in [0, 1); false stops the fit, and the report is still true of the mesh.
