@@ -21,6 +21,7 @@
 #include "mesh_flaws.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_sanitized.hpp"
 
 using hmesh::CompactImage;
 using hmesh::CompactImageOptions;
@@ -128,7 +129,7 @@ TEST_CASE("an image fits into the bytes that it is given, and uses them, the bet
     }
 }
 
-TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
+TEST_CASE("a drawing gets a lattice that is fine enough for its edges" * doctest::skip(hmesh_test::sanitized)) {
     // The second has more vertices than are a matter of luck, and is told by its flat colours. Of 24 such drawings each the first
     // come to 47 dB, the second too, or to 37 on the lattice of a photograph; with a draft half of them come to 40.
     hmesh::Annealed recipe;
@@ -155,7 +156,7 @@ TEST_CASE("a drawing gets a lattice that is fine enough for its edges") {
 }
 
 // Gradients have far finer colours than photographs, and more bytes go into these.
-TEST_CASE("smooth images have fine colours, and use their bytes") {
+TEST_CASE("smooth images have fine colours, and use their bytes" * doctest::skip(hmesh_test::sanitized)) {
     const auto make_smooth = [](auto& image, int channels) {
         for (int y = 0; y < image.height(); ++y)
             for (int x = 0; x < image.width(); ++x)

@@ -354,7 +354,7 @@ TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fit
             Options options = options_of(Target::vertices(150));
             options.limits.position_step = step;
             double mean = 0;  // of several drawings, since the PSNR of one scatters by a decibel
-            constexpr int scenes = 8;
+            constexpr int scenes = static_cast<int>(8 / hmesh_test::stride_if_sanitized(8));
             for (int k = 1; k <= scenes; ++k) {
                 const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, static_cast<std::uint64_t>(k));
                 const Result result = mesh_image(image.view(), options, recipe_of(effort));
@@ -370,7 +370,7 @@ TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fit
                 mean += result.report.psnr / scenes;
             }
             if (finest == 0) finest = mean;
-            CHECK(mean > finest - (step < 0.125 ? 0.5 : 0.75));
+            if (!hmesh_test::sanitized) CHECK(mean > finest - (step < 0.125 ? 0.5 : 0.75));
         }
     }
 }
@@ -757,7 +757,7 @@ TEST_CASE("the error told of images of 65536 px a row is that of the mesh, with 
     }
 }
 
-TEST_CASE("rounding chooses no vertices of wide images with weights") {
+TEST_CASE("rounding chooses no vertices of wide images with weights" * doctest::skip(hmesh_test::sanitized)) {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(16384, 128, 3);
     const auto weight = [](int x, int y, int) { return (97 * x + 31 * y) % 257 / 256.0; };
     const auto weights = hmesh_test::draw<float, 1>(16384, 128, weight);
