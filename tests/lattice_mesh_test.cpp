@@ -67,7 +67,8 @@ TEST_CASE("a mesh goes to the sites of a lattice, wherever it comes from, and is
     const auto image = hmesh_test::scene<std::uint8_t, 3>(120, 83, 1);
     const hmesh::kit::MomentTable<3> table(image.view(), hmesh::kit::Rect{0, 0, 120, 83});
     for (const bool bare : {false, true})
-        for (const double cell : {1.3, 2.0, 5.0, 17.0})
+        for (const double cell : {1.3, 2.0, 5.0, 17.0}) {
+            double gain = 0;  // on coarse lattices one mesh may lose, since others of its vertices come to sites
             for (const bool is_free : {false, true}) {
                 CAPTURE(bare);
                 CAPTURE(cell);
@@ -90,10 +91,13 @@ TEST_CASE("a mesh goes to the sites of a lattice, wherever it comes from, and is
                         CHECK((place == side || std::fmod(place, step) == 0));
                     }
                     const double psnr = psnr_of(mesh, image);
-                    if (mesh.vertex_count() > 12) CHECK(psnr > before);
+                    CHECK(mesh.vertex_count() > 12);
+                    if (rounds > 0) gain += psnr - before;
                     before = psnr;
                 }
             }
+            CHECK(gain > 0.4);
+        }
 }
 
 TEST_CASE("where sites are as near as pixels a mesh of the image itself goes to them") {

@@ -280,7 +280,8 @@ def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, sc
     finish(hmesh)
     index = json.loads(read("job/tiles/index.json"))
     error = (1 if scale else 65535) * 10 ** (-index["psnr"] / 20)
-    assert 0.5 * error < index["border_tolerance"] < 1.6 * error
+    foretold = 1.2  # at most so many times the error
+    assert 0.5 * error < index["border_tolerance"] < 1.4 * foretold * error
 
 
 # ---- by whatever engine ----

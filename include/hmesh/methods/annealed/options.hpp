@@ -132,8 +132,8 @@ struct Annealed {
                                   static_cast<double>(n), start != nullptr)
             .sum();
     }
-    /// What drafts and sketches foretell. A run at normal took 0.28 to 0.74 of the vertices that drafts took for the PSNRs, 28 to
-    /// 40 dB, of 32 photographs.
+    /// What drafts and sketches foretell. A run at normal took 0.40 to 0.76 of the vertices that drafts took for PSNRs of 20.5
+    /// to 40 dB of 14 photographs, and 0.52 on the mean; one at fast 0.62.
     [[nodiscard]] kit::Trials trials() const noexcept {
         switch (effort) {
             case Effort::draft: return {1, 0};
