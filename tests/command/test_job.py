@@ -495,6 +495,7 @@ WRONG = rows("""
     no folder is given                              | job plan dem.pgm --max-error 1
     how fine is not said                            | job plan dem.pgm -o x
     --free-borders is given for a job               | job plan dem.pgm -o x --max-error 1 --free-borders
+    --base is given for a job                       | job plan dem.pgm -o x --max-error 1 --base 0
     --skirts is given without --levels              | job plan dem.pgm -o x --max-error 1 --skirts
     Cesium hangs skirts itself                      | job plan dem.pgm -o x --max-error 1 --skirts --levels 2 --format terrain
     --levels '0' must be                            | job plan dem.pgm -o x --max-error 1 --levels 0
@@ -541,4 +542,6 @@ def test_help_of_each_part(terrain):
     for part, option in [("plan", "--hash"), ("run", "--input"), ("status", "--mend"), ("join", "--open-seams")]:
         text = terrain.done(f"job {part} --help")
         assert option in text and max(map(len, text.splitlines())) <= 132
+    plan = terrain.done("job plan --help")
+    assert "--no-normals " in plan and "--free-borders " not in plan and "--base " not in plan  # which it refuses
     assert "hmesh-terrain job --help" in terrain.done("--help")

@@ -373,6 +373,7 @@ void add_plan_options(CLI::App& app, JobArguments& out, std::vector<std::string>
     add_mesh_options(app, out.dem);
     add_tiles(app, out.dem, "cells of a tile's side, 1 to 65533 (default: 2048)");
     add_model_options(app, out.dem);
+    for (const char* refused : {"--free-borders", "--base"}) app.get_option(refused)->group("");  // in a sentence
 }
 
 void add_join_options(CLI::App& app, JobArguments& out) {
@@ -390,6 +391,7 @@ std::string find_conflict(const CLI::App& app, JobArguments& job) {
     if (job.folder.empty()) return "no folder is given: -o names it";
     if (dem.tile == 0) dem.tile = dem.reading.rows = 2048;
     if (dem.has_free_borders) return "--free-borders is given for a job, whose tiles are to meet";
+    if (dem.base) return "--base is given for a job, which makes no .stl files";
     if ((dem.vertices || dem.percent) && !dem.border_tolerance)
         return "tiles with a number of vertices meet with --border-tolerance alone, which is not given";
     if (dem.format == Format::none) dem.format = Format::glb;
