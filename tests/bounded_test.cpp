@@ -261,7 +261,7 @@ void try_terrain(const Terrain<T, C>& terrain, Samples convention, const Bounded
 }
 
 /// Meshes `count` random terrains times `scale` with random bounds, one in six 0, and judges them. HMESH_TEST_ROUNDS=N in the
-/// environment: N times as many, all others.
+/// environment: N times as many, the same ones first.
 template <class T, int C = 1>
 void try_terrains(std::uint64_t seed, int count, double scale) {
     const char* const rounds = std::getenv("HMESH_TEST_ROUNDS");
