@@ -152,7 +152,8 @@ def test_tiles_of_cesiums_grid_have_its_names_and_a_layer(terrain):
     report = json.loads(read("job/tiles/index.json"))
     assert next(t for t in report["tiles"] if t["file"] == "9/530/379.terrain")["row"] == 0
     terrain.fails("join them into a folder", "job join job -o whole.ply")
-    assert "layer.json" not in terrain.done(f"job plan dem.pgm -o off --max-error 9 --tiles 16 --format terrain --extent 7,45,8,46 -q")
+    off = "job plan dem.pgm -o off --max-error 9 --tiles 16 --format terrain --extent 7,45,8,46"
+    assert "no layer.json" in terrain.done(off) and "docs/jobs.md" in terrain.done(off) and terrain.done(f"{off} -q") == ""
 
 
 def test_samples_without_data_and_tiles_of_none(terrain):

@@ -35,7 +35,7 @@ int plan_job(const JobArguments& arguments) {
     text += job::lines_of(phases_of(plan));
     text += "written    " + plan.folder.path("plan.json") + ", build.ninja, slurm.sh, parallel.sh\n";
     if (plan.arguments.format == Format::quantized_mesh && !plan.globe)
-        text += "note       no layer.json: the tiles are not those of Cesium's grid, see docs/terrain.md\n";
+        text += "note       no layer.json: the tiles are not those of Cesium's grid, see docs/jobs.md\n";
     return tool::print(text);
 }
 
