@@ -13,6 +13,7 @@
 
 #include "hmesh/terrain.hpp"
 
+#define STBI_ONLY_PNG  // of PGM, stb_image before 2.28 swaps the bytes of 16-bit samples
 #define STB_IMAGE_IMPLEMENTATION
 #include <stb_image.h>
 

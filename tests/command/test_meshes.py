@@ -7,6 +7,7 @@ import os
 import re
 import shlex
 import shutil
+import struct
 import subprocess
 from pathlib import Path
 
@@ -338,6 +339,15 @@ def test_the_terrain_of_heightmap_looks_up(tmp_path, pytestconfig):
     faces = [[ground[v] for v in face] for face in model.faces]
     assert len(faces) > 1000 and all(y > 0 for _, y, _ in model.normals)
     assert all((b[1] - a[1]) * (c[0] - a[0]) > (b[0] - a[0]) * (c[1] - a[1]) for a, b, c in faces)
+
+
+def test_heightmap_reads_png_of_16_bits_and_refuses_pgm_whose_bytes_stb_image_swaps(tmp_path, pytestconfig):
+    heights = [236 + 3 * k for k in range(280)]
+    Image.frombytes("I;16", (20, 14), struct.pack("<280H", *heights)).save(tmp_path / "heights.png")
+    (tmp_path / "heights.pgm").write_bytes(b"P5 20 14 65535\n" + struct.pack(">280H", *heights))
+    heightmap = [program(pytestconfig, "heightmap"), tmp_path / "heights.obj"]
+    assert b"heights from 236 to 1073:" in subprocess.run([*heightmap, tmp_path / "heights.png"], check=True, capture_output=True).stdout
+    assert subprocess.run([*heightmap, tmp_path / "heights.pgm"], capture_output=True).returncode == 1
 
 
 @pytest.mark.parametrize("options, slow, who, seconds", [
