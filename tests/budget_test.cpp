@@ -13,6 +13,7 @@
 #include "hmesh/core/random.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
+#include "test_sanitized.hpp"
 #include "test_tiled_meshes.hpp"
 
 namespace kit = hmesh::kit;
@@ -223,6 +224,7 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
     const Tiling tiling(16384, 260, 256);
     double most_energy = 0;
     for (const bool is_exact : {true, false}) {
+        if (is_exact && hmesh_test::sanitized) continue;
         Work<std::uint8_t, 1> work(image);
         REQUIRE(work.tiled.sample_step(tiling) == 4);
         start(work, 4000);
@@ -232,7 +234,7 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
         const auto removed = static_cast<double>(before - work.count());
         CHECK(removed == doctest::Approx(400).epsilon(0.15));
         if (is_exact) most_energy = 1.02 * work.indexed().energy;
-        CHECK(work.indexed().energy < most_energy);
+        if (!hmesh_test::sanitized) CHECK(work.indexed().energy < most_energy);
         hmesh_test::prove(work);
         if (is_exact) continue;
         const std::size_t left = work.count();

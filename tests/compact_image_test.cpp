@@ -92,8 +92,8 @@ TEST_CASE("compact files hold meshes of images that are one pixel wide, whose fl
 
 TEST_CASE("images as long as any fit into bytes of any number") {
     for (const bool bare : {false, true}) {
-        hmesh::Image<std::uint8_t, 1> image(65536, 16);
-        for (int y = 0; y < 16; ++y)
+        hmesh::Image<std::uint8_t, 1> image(65536, hmesh_test::sanitized ? 3 : 16);
+        for (int y = 0; y < image.height(); ++y)
             for (int x = 0; x < image.width(); ++x) image.pixel(x, y)[0] = static_cast<std::uint8_t>(x / 300 + 2 * y);
         const CompactImage out = compact_image(image.view(), bytes(4000, bare), quick());
         CHECK(out.status);
@@ -181,6 +181,7 @@ TEST_CASE("noise uses its bytes too, where they can tell more than its mean") {
     const auto image = hmesh_test::noise<std::uint8_t, 3>(120, 90, 2);
     double before = 0;
     for (const std::size_t budget : {300U, 500U, 1200U}) {
+        if (hmesh_test::sanitized && budget == 500) continue;
         const CompactImage out = compact_image(image.view(), bytes(budget), quick());
         prove(image.view(), bytes(budget), out);
         CHECK(static_cast<double>(out.bytes.size()) >= 0.96 * static_cast<double>(budget));
@@ -209,7 +210,10 @@ TEST_CASE("too few bytes are refused, with those that are needed") {
 TEST_CASE("images of all sizes and kinds of samples fit") {
     hmesh::kit::Random random(1);
     for (int round = 0; round < 6; ++round) {
-        const int width = 1 + static_cast<int>(random.below(round < 4 ? 4 : 40)), height = 1 + static_cast<int>(random.below(30));
+        const int width = 1 + static_cast<int>(random.below(round < 4               ? 4
+                                                            : hmesh_test::sanitized ? 15
+                                                                                    : 40)),
+                  height = 1 + static_cast<int>(random.below(30));
         CAPTURE(width);
         CAPTURE(height);
         CompactImageOptions options = bytes(60 + random.below(300), round % 2 == 0);
