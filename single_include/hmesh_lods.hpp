@@ -227,8 +227,9 @@ struct [[nodiscard]] Lods {
 /// \return              the levels, of n, n / 2, n / 4 .. vertices, rounded down, and a status:
 ///     - that of mesh_image() where the finest level fails (no levels);
 ///     - invalid_argument where the number of levels is refused (no levels);
-///     - target_out_of_range where no mesh reached the PSNR asked for: the levels are those of the nearest mesh; or where a level
-///       would have fewer vertices than Annealed::border_tolerance or MeshLimits::position_step leaves: those before it;
+///     - target_out_of_range where no mesh reached the PSNR asked for, or MeshLimits::position_step leaves no places for so many
+///       vertices: the levels are those of the nearest mesh; or where it leaves none for those of a level, or a level would have
+///       fewer vertices than the sides by Annealed::border_tolerance: those before it;
 ///     - cancelled by options.progress, with the levels that were finished; before there is one, with the mesh of the first as
 ///       it was, whose status is cancelled too.
 ///
@@ -368,8 +369,11 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     out.levels.push_back(mesh_image(view, of_first, recipe, parallel_for));
     const Result& finest = out.levels.front();
     out.status = finest.status;
-    // What a recipe refuses when it runs comes with a mesh of the four corners.
-    if (!finest.has_mesh() || out.status.code == Errc::invalid_argument) out.levels.clear();
+    // What a recipe refuses when it runs comes with a mesh of the four corners: sides of more vertices than are asked for, too.
+    const bool has_corners_alone = recipe.border_tolerance && finest.report.vertices == 4 && out.status.value > out.status.limit;
+    if (!finest.has_mesh() || out.status.code == Errc::invalid_argument ||
+        (out.status.code == Errc::target_out_of_range && has_corners_alone))
+        out.levels.clear();
     if (!out.status && (out.levels.empty() || out.status.code != Errc::target_out_of_range)) return out;
 
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {

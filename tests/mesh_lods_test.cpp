@@ -183,6 +183,13 @@ TEST_CASE("what mesh_image() refuses and absurd numbers of levels are refused wi
     const hmesh::Mesh of_another = mesh_lods(hmesh_test::scene<std::uint8_t, 3>(41, 30, 2).view(), {}).levels.at(0).mesh;
     recipe.start = &of_another;
     check_refused(mesh_lods(image.view(), {}, {}, recipe), Errc::invalid_argument, "wide");
+    recipe = {};
+    recipe.border_tolerance = 0;
+    for (const Target& target : {Target::vertices(20), Target::psnr(35)}) {
+        options.target = target;
+        options.samples = hmesh::Samples::points;
+        check_refused(mesh_lods(image.view(), options, {}, recipe), Errc::target_out_of_range, "sides");
+    }
     Image<float, 1> bad = hmesh_test::scene<float, 1>(40, 30, 2);
     bad.pixel(3, 4)[0] = std::numeric_limits<float>::quiet_NaN();
     check_refused(mesh_lods(bad.view(), {}), Errc::not_finite, "");

@@ -60,8 +60,9 @@ struct [[nodiscard]] Lods {
 /// \return              the levels, of n, n / 2, n / 4 .. vertices, rounded down, and a status:
 ///     - that of mesh_image() where the finest level fails (no levels);
 ///     - invalid_argument where the number of levels is refused (no levels);
-///     - target_out_of_range where no mesh reached the PSNR asked for: the levels are those of the nearest mesh; or where a level
-///       would have fewer vertices than Annealed::border_tolerance or MeshLimits::position_step leaves: those before it;
+///     - target_out_of_range where no mesh reached the PSNR asked for, or MeshLimits::position_step leaves no places for so many
+///       vertices: the levels are those of the nearest mesh; or where it leaves none for those of a level, or a level would have
+///       fewer vertices than the sides by Annealed::border_tolerance: those before it;
 ///     - cancelled by options.progress, with the levels that were finished; before there is one, with the mesh of the first as
 ///       it was, whose status is cancelled too.
 ///
