@@ -17936,7 +17936,8 @@ namespace hmesh {
 
 /// Options of fit_linear_light().
 struct LinearLightOptions {
-    int iterations = 6;  ///< Gauss-Newton steps a channel at most, >= 0; 0 only measures the error
+    /// Gauss-Newton steps a channel at most, >= 0. 0: colours are held to [0, peak] and to the grid, and the error is measured.
+    int iterations = 6;
     /// A channel is done when a step lowers its error by this share of it or less, finite and >= 0; 1e-4 is 4e-4 dB.
     double min_gain = 1e-4;
     double ridge = MeshLimits().ridge;  ///< weight of the current colour against a step, in pixels; see MeshLimits::ridge
@@ -18256,8 +18257,8 @@ class LinearLight {
 ///
 /// Status, with the mesh unchanged: what mesh_image() says of an image and of weights that it refuses; Errc::invalid_argument
 /// for an option out of range, and where the mesh is not one of this image (channels, size, a position outside, a face without
-/// positive area), is premultiplied, or has a vertex without a face. About 35 ns a pixel and channel for each of some 5 passes;
-/// 0.5 KB a vertex.
+/// positive area), is premultiplied, or has a vertex without a face; not_finite for a position or a colour that is not. About
+/// 35 ns a pixel and channel for each of some 5 passes; 0.5 KB a vertex.
 template <class T, int C>
 LinearLightReport fit_linear_light(Mesh& mesh, const ImageView<T, C>& view, const LinearLightOptions& options = {},
                                    const ParallelFor& parallel_for = {}, FunctionRef<bool(double share)> go_on = {}) {
