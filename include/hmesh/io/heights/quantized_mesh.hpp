@@ -10,8 +10,8 @@
 /// the two at the root are, leaves out the mountains on its rim. Servers send tiles compressed by gzip, which is left to the
 /// program.
 ///
-/// Bytes: 92 and 6 a vertex, 8 with normals, and 6 a face; 12 from 65,536 vertices on. O(n), 8 bytes a vertex, and 24 more for
-/// normals without samples.
+/// Bytes: 112, 6 a vertex, 6 a face and 2 for each vertex of a side; 12 and 4 from 65,536 vertices on; 5 and 2 a vertex more with
+/// normals. O(n), 8 bytes a vertex, and 24 more for normals without samples.
 /// Source: quantized-mesh-1.0, github.com/CesiumGS/quantized-mesh; Z. H. Cigolle et al., A Survey of Efficient Representations
 /// for Independent Unit Vectors, JCGT 3(2), 2014.
 #ifndef HMESH_IO_HEIGHTS_QUANTIZED_MESH_HPP
