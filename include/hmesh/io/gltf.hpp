@@ -5,7 +5,7 @@
 /// faces are counter-clockwise seen from +z; the picture's lower left corner is the origin. The buffer holds POSITION, COLOR_0
 /// and the indices, all little-endian. Positions are pixels, sized by the node: float VEC3, exact; or unsigned shorts. Colours
 /// are unsigned shorts, RGBA, alpha straight: grey is r = g = b, and what has alpha is drawn with alphaMode BLEND. glTF
-/// colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.02 of a 255th, in 8 bits only 183
+/// colours are linear light, so stored values are decoded from sRGB: 16 bits keep them to 0.03 of a 255th, in 8 bits only 183
 /// of 256 values stay apart. Viewers interpolate linear light: pictures look a little different inside faces, unless the
 /// mesh was fitted for that.
 ///
