@@ -6849,7 +6849,7 @@ class TaskProgress {
 
 namespace hmesh::kit {
 
-/// Whether `weights` can be those of an image's channels: none at all, or one finite number >= 0 for each, not all 0. Otherwise
+/// Whether `weights` can be those of an image's channels: none at all, or one number in [0, 1e30] for each, not all 0. Otherwise
 /// invalid_argument.
 [[nodiscard]] HMESH_COLD inline Status check_channel_weights(const std::vector<double>& weights, int channels) noexcept {
     if (weights.empty()) return {};
@@ -7083,10 +7083,10 @@ struct Options {
     /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
     /// half a step counts as 0.
     ImageView<float, 1> weights{};
-    /// How much each channel counts: one weight >= 0 for each, as for luma against chroma or for a set of maps in one image.
-    /// Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a scaled copy of
-    /// the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit it best
-    /// nevertheless. Hierarchical knows no such weights.
+    /// How much each channel counts: one weight in [0, 1e30] for each, not all 0, as for luma against chroma or for a set of maps
+    /// in one image. Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a
+    /// scaled copy of the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit
+    /// it best nevertheless. Hierarchical knows no such weights.
     std::vector<double> channel_weights{};
     /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
     /// Hierarchical, `sampled` for the baselines.

@@ -84,10 +84,10 @@ struct Options {
     /// Weights are rounded to steps of 2^-24 to 2^-8 of the largest one, finer for smaller images (kit::WeightScale); less than
     /// half a step counts as 0.
     ImageView<float, 1> weights{};
-    /// How much each channel counts: one weight >= 0 for each, as for luma against chroma or for a set of maps in one image.
-    /// Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a scaled copy of
-    /// the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit it best
-    /// nevertheless. Hierarchical knows no such weights.
+    /// How much each channel counts: one weight in [0, 1e30] for each, not all 0, as for luma against chroma or for a set of maps
+    /// in one image. Empty (the default): all count the same. Only ratios matter. Where they differ, vertices are placed by a
+    /// scaled copy of the image with 16 bits a sample; a channel of weight 0 has no part in that, and gets the colours that fit
+    /// it best nevertheless. Hierarchical knows no such weights.
     std::vector<double> channel_weights{};
     /// How the final colours are chosen. Empty (the default): as the method defines it, `optimal` for Annealed and
     /// Hierarchical, `sampled` for the baselines.

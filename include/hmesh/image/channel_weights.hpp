@@ -23,7 +23,7 @@
 
 namespace hmesh::kit {
 
-/// Whether `weights` can be those of an image's channels: none at all, or one finite number >= 0 for each, not all 0. Otherwise
+/// Whether `weights` can be those of an image's channels: none at all, or one number in [0, 1e30] for each, not all 0. Otherwise
 /// invalid_argument.
 [[nodiscard]] HMESH_COLD inline Status check_channel_weights(const std::vector<double>& weights, int channels) noexcept {
     if (weights.empty()) return {};
