@@ -98,7 +98,7 @@ namespace detail {
 /// Whether groups describe this mesh: each of 1 to 4 channels, a normal of 3 and at most one, together no more channels than the
 /// mesh has, whose colours are straight; with names that differ from one another in more than capitals, and from those that files
 /// give to positions and colours (x, nx, red, alpha, intensity and their like). Otherwise invalid_argument with the number of the
-/// group, from 0 on, or of a null pointer with how many it is to point at.
+/// group, from 0 on; of too many channels with how many they are, and of a null pointer with how many groups it is to point at.
 [[nodiscard]] HMESH_COLD inline Status check(const ChannelGroups& groups, const MeshView& mesh) noexcept {
     if (groups.is_empty()) return {};
     const auto bad = [](const char* what, std::size_t value, std::size_t limit) {
