@@ -4562,7 +4562,7 @@ start();
 ///
 /// The mesh is embedded as base64 of, in this order and little-endian: positions, two floats a vertex in px; faces, three
 /// indices each of 16 bits up to 65535 vertices and of 32 bits above; colours, a byte a channel, 255 the mesh's peak. About 31
-/// bytes a vertex for RGB, 47 above 65535 vertices, and 21 kB for the page. Cost: about 0.2 us a vertex.
+/// bytes a vertex for RGB, 47 above 65535 vertices, and 22 kB for the page. Cost: about 0.2 us a vertex.
 #ifndef HMESH_IO_HTML_HPP
 #define HMESH_IO_HTML_HPP
 
