@@ -281,7 +281,7 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
         reserve(n);
         used_ = n * sizeof(T);
     }
-    /// n elements; new ones have this value.
+    /// n elements; new ones have this value, which is none of the elements.
     void resize(std::size_t n, const T& value) {
         reserve(n);
         for (std::size_t i = size(); i < n; ++i) new (data() + i) T(value);
@@ -380,7 +380,7 @@ namespace detail {
 [[nodiscard]] inline bool is_nan(const double& value) noexcept {
     return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
 }
-/// Whether low <= value <= high; false for NaN.
+/// Whether low <= value <= high; false for NaN and infinities.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
 }

@@ -172,7 +172,7 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
         reserve(n);
         used_ = n * sizeof(T);
     }
-    /// n elements; new ones have this value.
+    /// n elements; new ones have this value, which is none of the elements.
     void resize(std::size_t n, const T& value) {
         reserve(n);
         for (std::size_t i = size(); i < n; ++i) new (data() + i) T(value);

@@ -55,7 +55,7 @@ namespace detail {
 [[nodiscard]] inline bool is_nan(const double& value) noexcept {
     return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
 }
-/// Whether low <= value <= high; false for NaN.
+/// Whether low <= value <= high; false for NaN and infinities.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
     return is_finite(value) && value >= low && value <= high;
 }
