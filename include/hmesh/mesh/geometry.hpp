@@ -49,11 +49,11 @@ struct Point {
 /// Steps a px of the grid of positions, 1/256 px: exact in float, the sub-pixel grid of GPUs, and fine enough to cost no
 /// fidelity (rounding to 1/16 px would cost 0.02 dB). Coordinates are >= 0.
 inline constexpr double grid_steps = 256;
-/// A coordinate rounded to the nearest step of the 1/256 px grid, halves up. x in [0, 2^23).
+/// A coordinate rounded to the nearest step of the 1/256 px grid, halves up. x in [0, 2^23 - 1/512).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x) noexcept {
     return static_cast<double>(truncated(x * grid_steps + 0.5)) * (1 / grid_steps);
 }
-/// A coordinate rounded to the nearest multiple of a step that is a power of two, halves up. x in [0, 2^31 step).
+/// A coordinate rounded to the nearest multiple of a step that is a power of two, halves up. x in [0, (2^31 - 1/2) step).
 [[nodiscard]] HMESH_ALWAYS_INLINE double snap(double x, double step) noexcept {
     return static_cast<double>(truncated(x / step + 0.5)) * step;
 }
@@ -61,7 +61,7 @@ inline constexpr double grid_steps = 256;
 [[nodiscard]] HMESH_ALWAYS_INLINE Point snap(Point p) noexcept { return {snap(p.x), snap(p.y)}; }
 /// Whether a point is one that snap() leaves where it is; of any numbers, NaN among them.
 [[nodiscard]] inline bool is_on_grid(Point p) noexcept {
-    const auto is_snapped = [](double x) { return x >= 0 && x < 8388608 && snap(x) == x; };
+    const auto is_snapped = [](double x) { return x >= 0 && x <= 8388608 - 1 / grid_steps && snap(x) == x; };
     return is_snapped(p.x) && is_snapped(p.y);
 }
 
