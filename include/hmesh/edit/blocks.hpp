@@ -3,7 +3,7 @@
 ///
 /// A pass over a large mesh waits for memory: a moment table takes 16 bytes a pixel, a mesh 560 bytes a vertex. All passes over
 /// one block before the first over the next take 0.7 of the time. A block is the vertices that stand in a rectangle of 128 x 64
-/// px, 256 KiB of the table, which are neighbours on the Morton curve; edges and faces belong to one of their vertices.
+/// px, 128 KiB of the table, which are neighbours on the Morton curve; edges and faces belong to one of their vertices.
 #ifndef HMESH_EDIT_BLOCKS_HPP
 #define HMESH_EDIT_BLOCKS_HPP
 
