@@ -195,7 +195,7 @@ inline CompactMesh read_bare_compact(const void* bytes, std::size_t size, int wi
                                      const CompactTable* table = nullptr) {
     if (width >= 1 && height >= 1) return detail::read_bare(bytes, size, {width, height}, limits, table);
     CompactMesh out;
-    out.status = {Errc::image_too_large, "the image of a compact mesh must have sides of 1 to 65536 px",
+    out.status = {Errc::invalid_argument, "the image of a compact mesh must have sides of 1 to 65536 px",
                   static_cast<std::int64_t>(width < 1 ? width : height), 1};
     return out;
 }
