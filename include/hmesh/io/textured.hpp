@@ -2,9 +2,11 @@
 /// write_textured_obj(), _ply(), _glb(): a mesh to draw its image on, as models with texture coordinates and the texture's name.
 ///
 /// What is written are positions and faces as write_obj(), write_ply() and write_glb() write them, y up, and in place of colours
-/// the coordinates of the image: u = x / width to the right and v = 1 - y / height up, or down in glTF, as each format has it.
+/// the coordinates of the image: u = x / width to the right and v = 1 - y / height up, or y / height down in glTF, as each format
+/// has it; where samples are points, x + 1/2 and y + 1/2 in place of x and y, since they are in the middle of their texels.
 /// The texture stays a file of its own, whose name the files hold: OBJ in a material file beside it, which write_material()
-/// writes, PLY as the comment that MeshLab reads, glTF as a URI. For outlines (hmesh/outline.hpp) and any other mesh.
+/// writes, PLY as the comment that MeshLab reads, glTF as a URI. For outlines (hmesh/outline.hpp) and any other mesh, of at most
+/// 67,108,863 vertices and faces.
 ///
 /// O(n), and nothing that grows with the mesh is allocated.
 /// Sources: Wavefront, Object and Material files; Khronos, glTF 2.0, sections 3.6 to 3.9.
@@ -52,8 +54,8 @@ namespace detail {
 }  // namespace detail
 
 /// Writes a mesh as an OBJ file: lines `v x y 0`, `vt u v` and `f a/a b/b c/c`. `material_file`, if it is not nullptr, names the
-/// file of write_material(), whose material the faces have. A mesh that write_obj() refuses and a name with control characters
-/// give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// file of write_material(), whose material the faces have. A mesh that write_obj() refuses and a name that is empty or has
+/// control characters give a Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_textured_obj(const MeshView& mesh, const char* material_file, Sink sink) {
     if (const Status status = detail::check_for_texture(mesh, material_file != nullptr ? material_file : "none"); !status)
         return status;
