@@ -1,7 +1,7 @@
 /** A placeholder as bytes, at most 4096, or as base64url or base64. */
 export type Placeholder = string | Uint8Array;
 
-/** A mesh whose vertices have whole numbers of px, in the order of the file, and colours of 8 bits. */
+/** A mesh in the order of the file, whose vertices have whole numbers of px, unless it is scaled to a size, and colours of 8 bits. */
 export interface PlaceholderMesh {
   /** x, y, x, y ... in px, y down. */
   positions: Float32Array;
@@ -9,7 +9,7 @@ export interface PlaceholderMesh {
   colors: Uint8Array;
   /** Three a face. */
   indices: Uint32Array;
-  /** Of the picture, px: 1 to 4096. */
+  /** Of the picture, px: 1 to 4096, or those of the size that decode() was given. */
   width: number;
   height: number;
   /** 3: RGB. 4: RGBA. */
