@@ -403,6 +403,10 @@ class Relief {
              {"the y of the origin must be a number that a float holds", options.y_origin, -most, most}});
         !status)
         return status;
+    if (options.up > UpAxis::y)
+        return {Errc::invalid_argument, "the axis that is up is none of those known", static_cast<int>(options.up), 2};
+    if (options.drape > Drape::mesh)
+        return {Errc::invalid_argument, "the kind of drape is none of those known", static_cast<int>(options.drape), 2};
     if (options.texture != nullptr)
         if (const Status status = check_file_name(options.texture); !status) return status;
     const Relief relief(mesh, {}, options, false);

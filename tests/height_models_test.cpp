@@ -315,6 +315,10 @@ TEST_CASE("meshes, samples and options that no model holds give a Status and no 
     hmesh::HeightOptions options;
     options.z.scale = 3e38;
     refuses(options, {}, hmesh::Errc::not_finite);
+    options = {}, options.up = static_cast<hmesh::UpAxis>(3);
+    refuses(options);
+    options = {}, options.drape = static_cast<hmesh::Drape>(3);
+    refuses(options);
     const hmesh::Image<std::uint16_t, 1> few(30, 31), enough(31, 31);
     refuses({}, few.view());
     refuses({}, {enough.view(), {}, 1, 0});
