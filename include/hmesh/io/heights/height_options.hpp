@@ -20,8 +20,8 @@ namespace hmesh {
 /// Which channel of a mesh is height, and in which units: offset + scale * value.
 struct HeightChannel {
     int channel = 0;    ///< 0 to the mesh's channels - 1; the other channels are not written
-    double scale = 1;   ///< units for one of the stored values; finite
-    double offset = 0;  ///< units where the stored value is 0; finite
+    double scale = 1;   ///< units for one of the stored values; a number that a float holds
+    double offset = 0;  ///< units where the stored value is 0; a number that a float holds
 };
 
 /// Which way is up in the file.
@@ -43,7 +43,7 @@ enum class Drape : std::uint8_t {
     mesh,
 };
 
-/// Options of all exporters of heights.
+/// Options of all exporters of heights. Steps and origins are numbers that a float holds, steps no denormal ones.
 struct HeightOptions {
     HeightChannel z{};              ///< the heights
     double x_step = 1,              ///< units from one sample to the next one east, > 0
@@ -56,7 +56,7 @@ struct HeightOptions {
     bool has_normals = true;        ///< a smooth normal for each vertex
     Drape drape = Drape::raster;    ///< the texture coordinates
     /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and
-    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named.
+    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named, as with Drape::none.
     const char* texture = nullptr;
     /// Units, at least 0: how deep walls hang from the four sides of the mesh, in glTF alone; 0: there are none. They hide cracks
     /// between tiles of different levels of detail.
