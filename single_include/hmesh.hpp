@@ -2013,7 +2013,7 @@ class ExportMesh {
 /// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex is
 /// in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another can be
 /// written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh). Meshes of
-/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face, O(n log n) at
+/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 96 bytes a face, O(n log n) at
 /// worst.
 #ifndef HMESH_IO_DETAIL_STRIPS_HPP
 #define HMESH_IO_DETAIL_STRIPS_HPP
@@ -5111,7 +5111,7 @@ class ShadingDivision {
 ///
 /// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; in parts 27 and 1.6 times as much deflated; without
 /// strips 59 and 16. Time: some 100 MB/s in strips, of which finding them takes most, and 30 MB/s in parts. Memory: the streams,
-/// and 60 bytes a face to find the strips; in parts 25 more.
+/// and 110 bytes a face to find the strips.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 
@@ -5715,7 +5715,7 @@ struct FaceGradient {
 /// premultiplied meshes are divided by it at the corners; a corner without alpha takes the others' mean, so that transparent
 /// edges carry no fringe. Ids are short and the same in every file: put several pictures in one page by img elements, not inline.
 ///
-/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face, and where grey has alpha.
+/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, 96 bytes a face, and where grey has alpha.
 /// Source: W3C, SVG 1.1 and Compositing and Blending Level 1.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP

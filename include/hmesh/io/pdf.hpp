@@ -9,7 +9,7 @@
 ///
 /// Size of an RGB mesh of 256 px or more: 21 bytes a vertex, deflated 12; in parts 27 and 1.6 times as much deflated; without
 /// strips 59 and 16. Time: some 100 MB/s in strips, of which finding them takes most, and 30 MB/s in parts. Memory: the streams,
-/// and 60 bytes a face to find the strips; in parts 25 more.
+/// and 110 bytes a face to find the strips.
 #ifndef HMESH_IO_PDF_HPP
 #define HMESH_IO_PDF_HPP
 

@@ -11,7 +11,7 @@
 /// premultiplied meshes are divided by it at the corners; a corner without alpha takes the others' mean, so that transparent
 /// edges carry no fringe. Ids are short and the same in every file: put several pictures in one page by img elements, not inline.
 ///
-/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, about 40 bytes a face, and where grey has alpha.
+/// Cost: about 1 us a face, exact 3 us; memory only for the wireframe, 96 bytes a face, and where grey has alpha.
 /// Source: W3C, SVG 1.1 and Compositing and Blending Level 1.
 #ifndef HMESH_IO_SVG_HPP
 #define HMESH_IO_SVG_HPP

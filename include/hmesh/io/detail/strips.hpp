@@ -5,7 +5,7 @@
 /// begins anew with three vertices a, b, c; flag 1 adds d to make b, c, d; flag 2 adds d to make a, c, d. The newest vertex is
 /// in both sides that can be shared, so any way from face to face that enters each by one side and leaves it by another can be
 /// written. The walk goes to the neighbour that has the fewest ways on left (Akeley's rule, as in SGI's tomesh). Meshes of
-/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 60 bytes a face, O(n log n) at
+/// images get strips of 30 to 40 faces on average, 1.06 vertices a face. Cost: about 0.1 us and 96 bytes a face, O(n log n) at
 /// worst.
 #ifndef HMESH_IO_DETAIL_STRIPS_HPP
 #define HMESH_IO_DETAIL_STRIPS_HPP
