@@ -264,7 +264,7 @@ class DrawFront {
 /// Each strip begins where vertex_cache_order() would go on. Of the two ways it takes the one that fetches no vertex, needs no
 /// swap, leads to a face with few neighbours left and finishes a vertex; and it ends after 11 vertices that were not in the
 /// cache, so that the next strip finds them there. The weights were tried on meshes of photographs. Strips come to 6.3 bytes of
-/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.22 us and 85 bytes
+/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.22 us and 69 bytes
 /// a face.
 #ifndef HMESH_IO_GPU_CACHED_STRIPS_HPP
 #define HMESH_IO_GPU_CACHED_STRIPS_HPP
@@ -615,7 +615,7 @@ class ChunkWindows {
 /// share one vertex buffer and one rounding, so that no crack is between them. Nothing is decoded: colours are the stored values,
 /// so that a GPU that takes them for plain numbers draws what render() draws.
 ///
-/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.2 to 0.3 us and 100 to 115 bytes a face.
+/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.2 to 0.3 us and 90 to 110 bytes a face.
 #ifndef HMESH_IO_GPU_HPP
 #define HMESH_IO_GPU_HPP
 

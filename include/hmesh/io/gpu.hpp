@@ -7,7 +7,7 @@
 /// share one vertex buffer and one rounding, so that no crack is between them. Nothing is decoded: colours are the stored values,
 /// so that a GPU that takes them for plain numbers draws what render() draws.
 ///
-/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.2 to 0.3 us and 100 to 115 bytes a face.
+/// docs/textures.md shows how each API is told of the layout. Cost: O(n), 0.2 to 0.3 us and 90 to 110 bytes a face.
 #ifndef HMESH_IO_GPU_HPP
 #define HMESH_IO_GPU_HPP
 

@@ -8,7 +8,7 @@
 /// Each strip begins where vertex_cache_order() would go on. Of the two ways it takes the one that fetches no vertex, needs no
 /// swap, leads to a face with few neighbours left and finishes a vertex; and it ends after 11 vertices that were not in the
 /// cache, so that the next strip finds them there. The weights were tried on meshes of photographs. Strips come to 6.3 bytes of
-/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.22 us and 85 bytes
+/// 16-bit indices a vertex, ACMR 0.73 and ATVR 1.46, where lists have 12, 0.635 and 1.27. Cost: O(n), some 0.22 us and 69 bytes
 /// a face.
 #ifndef HMESH_IO_GPU_CACHED_STRIPS_HPP
 #define HMESH_IO_GPU_CACHED_STRIPS_HPP
