@@ -1327,6 +1327,7 @@ struct TileOrder {
     explicit TileOrder(const MeshView& mesh) {
         constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
         ranks.resize(mesh.vertex_count, none);
+        vertices.reserve(mesh.vertex_count);
         for (std::size_t f = 0; f < mesh.face_count; ++f)
             for (const std::uint32_t v : turned(mesh.faces[f])) {
                 if (ranks[v] != none) continue;
