@@ -275,6 +275,20 @@ TEST_CASE("groups of channels become properties of PLY, in their order") {
     }
 }
 
+TEST_CASE("the first colour of PLY has the names that viewers know, wherever it stands") {
+    const std::array<ChannelGroup, 3> groups = {{{"rough", ChannelGroup::Meaning::data, 1},
+                                                 {"albedo", ChannelGroup::Meaning::color, 3},
+                                                 {"glow", ChannelGroup::Meaning::color, 1}}};
+    hmesh::PlyOptions options;
+    options.groups = view(groups);
+    const std::string text =
+        hmesh_test::as_text(hmesh_test::exported(random_mesh(5).view(), [&](const hmesh::MeshView& from, hmesh::Sink sink) {
+            return hmesh::write_ply(from, sink, options);
+        }));
+    CHECK(text.find("property float z\nproperty uchar rough\nproperty uchar red\nproperty uchar green\n"
+                    "property uchar blue\nproperty uchar glow\nelement face 2\n") != std::string::npos);
+}
+
 TEST_CASE("groups that do not describe the mesh are refused with their number, and no byte is written") {
     const hmesh::Mesh mesh = random_mesh(13);
     const auto refuse = [&](std::size_t group, double value, auto&& change) {
@@ -299,7 +313,8 @@ TEST_CASE("groups that do not describe the mesh are refused with their number, a
     refuse(1, 1, [](ChannelGroup& group) { group.channels = 4; });                             // of a normal
     refuse(4, 4, [](ChannelGroup& group) { group.meaning = ChannelGroup::Meaning::normal; });  // a second one
     refuse(0, 0, [](ChannelGroup& group) { group.meaning = static_cast<ChannelGroup::Meaning>(3); });
-    for (const char* name : {"", "a b", "a\"", "\xc3\xa4", "a-b"}) refuse(3, 3, [&](ChannelGroup& group) { group.name = name; });
+    for (const char* name : {"", "a b", "a\"", "\xc3\xa4", "a-b", "a/", "a:", "a@", "a[", "a`", "a{", "a\x7f"})
+        refuse(3, 3, [&](ChannelGroup& group) { group.name = name; });
     refuse(3, 3, [](ChannelGroup& group) { group.name = nullptr; });
     for (const char* name : {"x", "NZ", "Red", "alpha", "intensity"})
         refuse(2, 2, [&](ChannelGroup& group) { group.name = name; });
@@ -307,6 +322,14 @@ TEST_CASE("groups that do not describe the mesh are refused with their number, a
     refuse(3, 3, [](ChannelGroup& group) { group.name = "ALBEDO_3"; });  // as PLY calls channels
     refuse(2, 3, [](ChannelGroup& group) { group.name = "flow_1"; });
     refuse(2, 14, [](ChannelGroup& group) { group.channels = 2; });  // channels of all
+    const auto accept = [&](std::size_t group, const char* name) {
+        std::array<ChannelGroup, 5> groups = material;
+        groups[group].name = name;
+        CAPTURE(name);
+        CHECK(check(view(groups), mesh.view()));
+    };
+    for (const char* name : {"azAZ_09", "rough_0", "flow_", "flow_4", "flow_a", "flow_10", "flow0", "flow01", "flux_1"})
+        accept(4, name);
     hmesh::MeshView multiplied = mesh.view();
     multiplied.premultiplied = true;
     CHECK(check(view(material), multiplied).code == hmesh::Errc::invalid_argument);

@@ -129,6 +129,27 @@ TEST_CASE("straight colours are divided by alpha, and transparent corners take t
         CHECK(straight.view().colors[i] == doctest::Approx(expected.colors[i]));
 }
 
+TEST_CASE("a transparent corner and its copy on the other border take one colour, the mean of the neighbours of both") {
+    Mesh mesh = hmesh_test::two_faces(4);  // 0 and 1, and 3 and 2, are one vertex each
+    mesh.positions.insert(mesh.positions.end(), {1.5F, 1});
+    mesh.faces = {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}};
+    mesh.colors = {0, 0, 0, 0, 0, 0, 0, 0, 40, 80, 0, 255, 40, 80, 0, 255, 0, 0, 10, 51};
+    mesh.premultiplied = true;
+    mesh.periodic = hmesh::Periodic::x;
+    std::vector<float> expected = {0, 0, 0, 0, 0, 0, 0, 0, 40, 80, 0, 255, 40, 80, 0, 255, 0, 0, 50, 51};
+    // 0 shares faces with 3 and twice with 4, 1 with 2 and twice with 4.
+    const ExportMesh tied(mesh.view(), Premultiplied::divided);
+    for (std::size_t k = 0; k < 3; ++k)
+        expected[k] = expected[4 + k] = (2 * mesh.colors[12 + k] + 4 * mesh.colors[16 + k]) / (2 * 255 + 4 * 51) * 255;
+    const std::vector<float> colors = colors_of(tied);
+    REQUIRE(colors.size() == expected.size());
+    for (std::size_t i = 0; i < colors.size(); ++i) CHECK(colors[i] == doctest::Approx(expected[i]));
+
+    mesh.colors[8] = mesh.colors[9] = mesh.colors[11] = 0;  // what one copy sees alone the other has too
+    const ExportMesh one(mesh.view(), Premultiplied::divided);
+    for (std::size_t k = 0; k < 4; ++k) CHECK(one.view().colors[k] == one.view().colors[4 + k]);
+}
+
 TEST_CASE("where all is transparent colours are 0") {
     Mesh clear = premultiplied_mesh();
     for (std::size_t v = 0; v < 4; ++v) clear.colors[4 * v + 3] = v == 0 ? -1.0F : 0.0F;

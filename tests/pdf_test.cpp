@@ -29,6 +29,12 @@ struct Object {
     std::string entries, data;
 };
 
+int times(const std::string& text, const std::string& word) {
+    int count = 0;
+    for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + word.size())) ++count;
+    return count;
+}
+
 // The objects of a file, found by its cross-reference table alone; [0] is the trailer.
 std::vector<Object> read_pdf(const std::string& file) {
     REQUIRE(file.substr(0, 9) == "%PDF-1.4\n");
@@ -56,6 +62,8 @@ std::vector<Object> read_pdf(const std::string& file) {
         } else {
             object.entries = file.substr(at, end - at);
         }
+        // Each dictionary that is begun is ended; that of a stream by what stands before its bytes.
+        CHECK(times(object.entries, "<<") == times(object.entries, ">>") + (stream < end ? 1 : 0));
         objects.push_back(object);
     }
     REQUIRE(file.substr(entry + 20, 8) == "trailer\n");
@@ -277,7 +285,9 @@ TEST_CASE("4 channels are colours drawn straight, masked as a whole by a shading
         CHECK(follow(objects, page.entries, "/Contents").data == "/G0 gs /X0 Do");
         const Object& group = follow(objects, page.entries, "/X0");
         const Object& mask = follow(objects, follow(objects, page.entries, "/G0").entries, "/SMask << /S /Luminosity /G");
-        CHECK(mask.entries.find("/Group << /S /Transparency /CS /DeviceGray") != std::string::npos);
+        CHECK(page.entries.find("/Group << /S /Transparency /CS /DeviceRGB >>") != std::string::npos);
+        CHECK(group.entries.find("/Group << /S /Transparency /CS /DeviceRGB /I true >>") != std::string::npos);
+        CHECK(mask.entries.find("/Group << /S /Transparency /CS /DeviceGray /I true >>") != std::string::npos);
         const auto share = [&](std::size_t v, std::size_t k) { return static_cast<double>(mesh.colors[4 * v + k]) / 255; };
         for (const Object* form : {&group, &mask}) {
             CHECK(form->entries.find("/Subtype /Form") != std::string::npos);
@@ -314,6 +324,13 @@ TEST_CASE("a compressor is used for the mesh, and where it fails there is a Stat
         REQUIRE(plain[i].data.size() > 65535);
         CHECK(unstored(objects[i].data) == plain[i].data);
     }
+    const auto fail_at_last = [&](const unsigned char* bytes, std::size_t size, Bytes& out) {
+        return ++calls % 2 == 1 && store(bytes, size, out);  // the mask comes after the colours
+    };
+    options.deflate = fail_at_last;
+    std::string none;
+    CHECK(hmesh::write_pdf(mesh.view(), hmesh::kit::append_to(none), options).code == hmesh::Errc::write_failed);
+    CHECK(none.empty());
     for (const hmesh::PageOptions::Deflate bad : {fail_to_compress, compress_to_nothing}) {
         options.deflate = bad;
         std::string text;

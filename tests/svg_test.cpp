@@ -320,6 +320,7 @@ TEST_CASE("in the exact kind every corner has its colour, within a step of 8 bit
     const std::vector<Paint> paints = read_svg(written(mesh.view(), of_kind(Kind::exact)));
     REQUIRE(paints.size() == 3 * mesh.face_count());
     double worst = 0;
+    int steep = 0;
     for (std::size_t i = 0; i < paints.size(); ++i) {
         const std::size_t channel = i / mesh.face_count();
         const Face face = face_of(mesh, i % mesh.face_count());
@@ -331,8 +332,17 @@ TEST_CASE("in the exact kind every corner has its colour, within a step of 8 bit
             CHECK(std::abs(paints[i].points[2 * k] - face.x[k]) <= 0.0005 + 1e-9);
             CHECK(std::abs(paints[i].points[2 * k + 1] - face.y[k]) <= 0.0005 + 1e-9);
         }
+        // Beyond a steep face, where viewers may take a pixel from, its channel goes on no further than its corners.
+        const Gradient& gradient = paints[i].gradient;
+        const double length = std::hypot(gradient.x2 - gradient.x1, gradient.y2 - gradient.y1);
+        if (gradient.offsets.size() < 2 || length * (gradient.offsets.back() - gradient.offsets.front()) >= 1.9) continue;
+        ++steep;
+        const auto [least, most] = std::minmax({face.color[0][channel], face.color[1][channel], face.color[2][channel]});
+        CHECK(std::abs(gradient.colors.front()[channel] - least) <= 0.5 + 1e-9);
+        CHECK(std::abs(gradient.colors.back()[channel] - most) <= 0.5 + 1e-9);
     }
     CHECK(worst <= 1);
+    CHECK(steep > 20);
 }
 
 TEST_CASE("faces thousands of times as long as wide have their colours too, also where viewers count 65536ths") {
@@ -408,12 +418,15 @@ TEST_CASE("offsets rise and all that is written is a number, for colours within 
 }
 
 TEST_CASE("faces without area and faces of one colour are painted plainly") {
-    hmesh::Mesh mesh = two_faces(3, 30);
-    mesh.positions = {0, 0, 1, 1, 2, 2, 3, 3};
-    for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
-    mesh = two_faces(3, 30);
-    std::fill(mesh.colors.begin(), mesh.colors.end(), 77.0F);
-    for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)).find("fill=\"url") == std::string::npos);
+    hmesh::Mesh line = two_faces(3, 30), one_color = line;
+    line.positions = {1, 3, 2, 5, 3, 7, 4, 9};
+    std::fill(one_color.colors.begin(), one_color.colors.end(), 77.0F);
+    for (const hmesh::Mesh& mesh : {line, one_color})
+        for (const Kind kind : kinds) {
+            const std::string text = written(mesh.view(), of_kind(kind));
+            CHECK(text.find("fill=\"url") == std::string::npos);
+            CHECK(read_svg(text).size() == (kind == Kind::exact ? 6 : 2));
+        }
 }
 
 TEST_CASE("one channel is grey, by one gradient that is exact, without blending") {
@@ -453,6 +466,17 @@ TEST_CASE("alpha is a mask of grey faces, left out where all is opaque") {
         for (std::size_t k = 0; k < 3; ++k) opaque.colors[3 * v + k] = mesh.colors[4 * v + k];
     }
     for (const Kind kind : kinds) CHECK(written(mesh.view(), of_kind(kind)) == written(opaque.view(), of_kind(kind)));
+}
+
+TEST_CASE("under the mask are the faces as they are without alpha, and all that is begun is ended") {
+    const hmesh::Mesh mesh = two_faces(4, 30);  // straight colours
+    const std::string faces = written(two_faces(3, 30).view(), of_kind(Kind::flat)).substr(head.size());
+    const std::string text = written(mesh.view(), of_kind(Kind::flat)), begin = "<mask id=\"_m\" maskUnits=\"userSpaceOnUse\" ";
+    CHECK(text.substr(0, head.size() + begin.size()) == head + begin);
+    const std::size_t end = text.find("</mask>\n");
+    REQUIRE(end != std::string::npos);
+    CHECK(text.find("x=\"0\" y=\"0\" width=\"3\" height=\"2\">\n") == head.size() + begin.size());
+    CHECK(text.substr(end) == "</mask>\n<g mask=\"url(#_m)\">\n" + faces.substr(0, faces.size() - 7) + "</g>\n</svg>\n");
 }
 
 TEST_CASE("colours multiplied by alpha are divided by it, and corners without alpha bring no fringe") {

@@ -54,8 +54,8 @@ TEST_CASE("an OBJ has positions and coordinates y up, by one index, and names it
     CHECK(hmesh_test::as_text(hmesh_test::exported(hmesh_test::two_faces(1).view(), bare)).find("mtl") == std::string::npos);
     std::string material;
     CHECK(hmesh::write_material("icon.png", hmesh::kit::append_to(material)));
-    CHECK(material.find("newmtl image\n") != std::string::npos);
-    CHECK(material.find("map_Kd -clamp on icon.png\n") != std::string::npos);
+    CHECK(material == "# made by hmesh " HMESH_VERSION_STRING
+                      "\nnewmtl image\nKd 1 1 1\nillum 0\nmap_Kd -clamp on icon.png\nmap_d -clamp on -imfchan m icon.png\n");
 }
 
 TEST_CASE("a PLY has s and t beside positions, and the texture's name as a comment") {
@@ -94,6 +94,8 @@ TEST_CASE("a .glb has coordinates with v down, and the texture's name as a URI")
     CHECK(json.find("\"uri\":\"../my%20%22icon%22_%C3%A9.png\"") != std::string::npos);
     CHECK(json.find("\"alphaMode\":\"BLEND\"") != std::string::npos);
     CHECK(number_of(json, "scale") == 0.25);
+    CHECK(json.find("\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"
+                    "\"material\":0}]}]") != std::string::npos);
     const std::size_t vertices = mesh.vertex_count();
     CHECK(number_of(json, "count", 0) == static_cast<double>(vertices));
     CHECK(number_of(json, "count", 1) == static_cast<double>(vertices));
