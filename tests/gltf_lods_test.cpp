@@ -168,6 +168,13 @@ TEST_CASE("a level in parts is one mesh of several primitives, whose positions l
     }
 
     bytes.clear();
+    REQUIRE(hmesh::write_glb_parts({{left.view(), right.view()}, {coarse.view()}}, sink));
+    Bytes all = written_alone(left.view()).binary;
+    append(all, written_alone(right.view()).binary);
+    append(all, written_alone(coarse.view()).binary);
+    CHECK(chunks_of(bytes).binary == all);
+
+    bytes.clear();
     CHECK(!hmesh::write_glb_parts({{left.view(), right.view()}, {}}, sink));
     CHECK(!hmesh::write_glb_parts({{left.view(), square_grid(3, 3).view()}}, sink));
     CHECK(bytes.empty());
@@ -186,6 +193,18 @@ TEST_CASE("levels with alpha are divided by it each, and drawn over what is behi
     CHECK(count(file.json, "\"alphaMode\":\"BLEND\"") == 1);
 }
 
+TEST_CASE("a level that shares positions and not colours has its own") {
+    const Mesh fine = grid(4);
+    std::vector<float> colors = fine.colors;
+    for (float& color : colors) color = 1 - color;
+    MeshView coarse = fine.view();
+    coarse.vertex_count = 24, coarse.face_count = 1;  // of the first three corners
+    coarse.colors = colors.data();
+    Bytes all = written_alone(fine.view()).binary;
+    append(all, written_alone(coarse).binary);
+    CHECK(written({fine.view(), coarse}).binary == all);
+}
+
 TEST_CASE("a compressor is given vertices and indices of all levels") {
     const Mesh fine = grid(4), coarse = grid(2);
     std::size_t arrays = 0, elements = 0;
@@ -201,6 +220,15 @@ TEST_CASE("a compressor is given vertices and indices of all levels") {
     CHECK(arrays == 4);
     CHECK(elements == 25 + 3 * 32 + 9 + 3 * 8);
     CHECK(file.binary.size() == 16);
+    const auto fail = [](const hmesh::GltfArray& array, std::vector<unsigned char>& out) {
+        out = {1};
+        return array.count != 3 * 8;  // at the last
+    };
+    options.compress = fail;
+    Bytes bytes;
+    CHECK(hmesh::write_glb_lods({fine.view(), coarse.view()}, hmesh::kit::append_to(bytes), options).code ==
+          hmesh::Errc::write_failed);
+    CHECK(bytes.empty());
 }
 
 TEST_CASE("levels that are none are refused with a sentence, before a byte is written") {
@@ -212,6 +240,18 @@ TEST_CASE("levels that are none are refused with a sentence, before a byte is wr
     other.width = 65;
     check_refused({fine.view(), other.view()}, "another size");
     check_refused({fine.view(), two_faces(4).view()}, "another size");
+    other = coarse;
+    other.height = 63;
+    check_refused({fine.view(), other.view()}, "another size");
+    MeshView view = coarse.view();
+    view.samples = hmesh::Samples::points;
+    check_refused({fine.view(), view}, "another size");
+    view = coarse.view();
+    view.premultiplied = true;
+    check_refused({fine.view(), view}, "other channels");
+    other = coarse;
+    other.channels = 1;
+    check_refused({fine.view(), other.view()}, "other channels");
     other = coarse;
     other.faces[0][1] = 9;
     check_refused({fine.view(), other.view()}, "names no vertex");

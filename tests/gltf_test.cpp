@@ -249,15 +249,26 @@ TEST_CASE("quantised positions are rounded to a step of 1/256 px or a 65535th of
         }
         CHECK(file.stored[1][0] == (side <= 255 ? side * 256 : 65535));
     }
+    for (const bool is_wide : {false, true}) {
+        hmesh::Mesh mesh = two_faces(3);
+        const float x = is_wide ? 4096 : 1, y = is_wide ? 1 : 4096;
+        mesh.width = static_cast<int>(x), mesh.height = static_cast<int>(y);
+        mesh.positions = {0, 0, x, 0, x, y, 1.0F / 256, y};
+        const GlbFile file = read_back(mesh, quantized());
+        CHECK(file.stored[1] == std::array<double, 3>{is_wide ? 65535.0 : 16, is_wide ? 16.0 : 65535, 0});
+    }
     // Positions may lie outside the image, and the grid is theirs.
-    hmesh::Mesh mesh = two_faces(3);
-    for (float& x : mesh.positions) x -= 100;
-    hmesh::GltfOptions options = quantized();
-    options.longer_side = 6;
-    const GlbFile file = read_back(mesh, options);
-    CHECK(file.positions[2] == std::array<double, 3>{-194, 200, 0});
-    CHECK(numbers(file.json, "min") == std::vector<double>{0, 0, 0});
-    CHECK(numbers(file.json, "max") == std::vector<double>{3, 2, 0});  // all lie on whole px
+    for (const float shift : {-100.0F, 40000.0F, 0.25F}) {
+        hmesh::Mesh mesh = two_faces(3);
+        for (float& x : mesh.positions) x += shift;
+        hmesh::GltfOptions options = quantized();
+        options.longer_side = 6;
+        const GlbFile file = read_back(mesh, options);
+        const auto far = static_cast<double>(2 * shift);
+        CHECK(file.positions[2] == std::array<double, 3>{6 + far, -far, 0});
+        CHECK(numbers(file.json, "min") == std::vector<double>{0, 0, 0});
+        CHECK(numbers(file.json, "max") == std::vector<double>{3, 2, 0});  // all lie on whole px
+    }
 }
 
 TEST_CASE("quantised positions on a grid of a power of two are exact as long as 65535 steps reach across the mesh") {

@@ -257,7 +257,7 @@ TEST_CASE("a mesh or options that cannot be written give a Status and no byte") 
     options.notes = nullptr;
     check_refused(good.view(), hmesh::Errc::invalid_argument, options);
     const unsigned char byte = 0;
-    for (const char* type : {static_cast<const char*>(nullptr), "", "image/png\" onload=\""}) {
+    for (const char* type : {static_cast<const char*>(nullptr), "", "image/png\" onload=\"", "image/{"}) {
         options = {};
         options.original = &byte;
         options.original_size = 1;

@@ -239,8 +239,12 @@ TEST_CASE("positions of the 1/256 px grid arrive exactly in images of every size
     for (const int side : {1, 255, 256, 65535, 65536}) {
         hmesh::Mesh mesh = random_grid(1, side, side, 2, 2, 255, 6);
         check_read_back(mesh, half_of_8);
+        const float x = mesh.positions[0];
         mesh.positions[0] = -1.25F;
+        check_read_back(mesh, half_of_8);
         mesh.positions[1] = static_cast<float>(side) + 7.00390625F;
+        check_read_back(mesh, half_of_8);
+        mesh.positions[0] = x;
         check_read_back(mesh, half_of_8);
     }
     CHECK(written(random_grid(1, 255, 255, 1, 1, 255, 7).view()).find("/BitsPerCoordinate 16 ") != std::string::npos);

@@ -230,6 +230,35 @@ TEST_CASE("with weights of channels the report counts channels with theirs") {
     CHECK(hmesh::drop_transparent(result, image.view(), options).status.code == Errc::invalid_argument);
 }
 
+TEST_CASE(
+    "the largest error is that of the faces that are left, and of nothing where there were others, of straight meshes too") {
+    for (const bool premultiplied : {true, false}) {
+        CAPTURE(premultiplied);
+        Mesh mesh = two_squares({0, 0, 200, 0, 0, 200});  // two faces of air, whose colours are 0 to 40
+        mesh.premultiplied = premultiplied;
+        Mesh left = mesh;
+        REQUIRE(hmesh::drop_transparent(left, 2).status);
+        const Image<float, 2> wanted = hmesh_test::drawn<2>(left);
+        Image<std::uint8_t, 2> image(4, 2);
+        for (std::size_t k = 0; k < image.size(); k += 2) {
+            const float alpha = std::round(wanted.data()[k + 1]);
+            image.data()[k + 1] = static_cast<std::uint8_t>(alpha);
+            const float color = premultiplied && alpha > 0 ? 255 * wanted.data()[k] / alpha : wanted.data()[k];
+            image.data()[k] = static_cast<std::uint8_t>(std::round(std::min(255.0F, color)));
+        }
+        Result result;
+        result.mesh = mesh;
+        result.report.max_error = 1000;
+        REQUIRE(hmesh::drop_transparent(result, image.view(), {}, 2).status);
+        const auto stored = premultiplied ? hmesh::kit::premultiply(image.view()) : image;
+        double largest = 0;
+        for (std::size_t k = 0; k < stored.size(); ++k)
+            largest = std::max(largest, std::abs(static_cast<double>(wanted.data()[k]) - stored.data()[k]));
+        CHECK(largest < 10);
+        CHECK(result.report.max_error == doctest::Approx(largest).epsilon(1e-4));
+    }
+}
+
 TEST_CASE("the report of a sprite that repeats is that of its copies together, and counts copies of a vertex once") {
     const auto image = disc<std::uint8_t, 4>(48, 40);
     for (const bool straight : {false, true}) {
@@ -297,6 +326,20 @@ TEST_CASE("meshes without alpha, thresholds out of range and results of another 
     CHECK(hmesh::drop_transparent(result, image.view()).status);
     refused(disc<std::uint8_t, 2>(5, 2).view());
     refused({});
+    for (int k = 0; k < 4; ++k) {  // each alone is reason enough
+        CAPTURE(k);
+        const hmesh::Image<float, 1> weights = hmesh_test::random_weights(k == 0 ? 5 : 4, 2, 1);
+        Options options;
+        options.weights = weights.view();
+        result.mesh = good;
+        if (k == 1) result.mesh.height = 3;
+        if (k == 2) result.mesh.channels = 4, result.mesh.colors.resize(24);
+        const Result before = result;
+        const SpriteReport report = hmesh::drop_transparent(result, image.view(), options, k == 3 ? 255 : 2);
+        CHECK(report.status.code == Errc::invalid_argument);
+        CHECK(hmesh_test::same_bytes(result, before));
+    }
+    result.mesh = good;
     result.mesh.positions[0] = -1;
     refused(image.view());
 }

@@ -186,9 +186,18 @@ inline void check_refusals(Write write) {
         mesh.width = size;
         check_refused(mesh.view(), hmesh::Errc::invalid_argument, write);
     }
+    hmesh::Mesh wide = good;
+    wide.width = 4194304;
+    (void)exported(wide.view(), write);
     hmesh::MeshView huge = good.view();
-    huge.face_count = std::size_t{1} << 31U;
-    check_refused(huge, hmesh::Errc::invalid_argument, write);
+    for (const std::size_t count : {std::size_t{47721859}, std::size_t{1} << 31U}) {
+        huge.face_count = count;  // of two that are there: the number alone is why
+        Bytes bytes;
+        const hmesh::Status status = write(huge, hmesh::kit::append_to(bytes));
+        CHECK(status.code == hmesh::Errc::invalid_argument);
+        CHECK(status.limit == 47721858);
+        CHECK(bytes.empty());
+    }
 }
 
 // --- compressors ---

@@ -84,15 +84,18 @@ TEST_CASE("a PLY has s and t beside positions, and the texture's name as a comme
 TEST_CASE("a .glb has coordinates with v down, and the texture's name as a URI") {
     const hmesh::Mesh mesh = hmesh_test::square_grid(4, 3);
     const auto named = [](const hmesh::MeshView& view, hmesh::Sink sink) {
-        return hmesh::write_textured_glb(view, "../my \"icon\"_\xc3\xa9.png", sink);
+        return hmesh::write_textured_glb(view, "../aA9zZ0-.~ \"@[`{/:\"_\xc3\xa9.png", sink);
     };
     const Bytes bytes = hmesh_test::exported(mesh.view(), named);
     CHECK(std::memcmp(bytes.data(), "glTF", 4) == 0);
     CHECK(number_at<std::uint32_t>(bytes, 8) == bytes.size());
     const std::size_t json_size = number_at<std::uint32_t>(bytes, 12), at = 28 + json_size;
     const std::string json(bytes.begin() + 20, bytes.begin() + 20 + static_cast<std::ptrdiff_t>(json_size));
-    CHECK(json.find("\"uri\":\"../my%20%22icon%22_%C3%A9.png\"") != std::string::npos);
-    CHECK(json.find("\"alphaMode\":\"BLEND\"") != std::string::npos);
+    CHECK(json.find("\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0},\"metallicFactor\":0,"
+                    "\"roughnessFactor\":1},\"alphaMode\":\"BLEND\",\"extensions\":{\"KHR_materials_unlit\":{}}}],"
+                    "\"samplers\":[{\"magFilter\":9729,\"minFilter\":9729,\"wrapS\":33071,\"wrapT\":33071}],"
+                    "\"textures\":[{\"sampler\":0,\"source\":0}],\"images\":[{\"uri\":"
+                    "\"../aA9zZ0-.~%20%22%40%5B%60%7B/%3A%22_%C3%A9.png\"}]") != std::string::npos);
     CHECK(number_of(json, "scale") == 0.25);
     CHECK(json.find("\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1},\"indices\":2,"
                     "\"material\":0}]}]") != std::string::npos);
