@@ -324,7 +324,21 @@ TEST_CASE("meshes, samples and options that no model holds give a Status and no 
     refuses({}, {enough.view(), {}, 1, 0});
     refuses({}, {enough.view(), {}, -1, 0});
     refuses({}, hmesh::ImageView<float, 1>{nullptr, 31, 31, 0});
-    const hmesh::Image<std::uint8_t, 1> mask(31, 30);
-    refuses({}, {enough.view(), mask.view()});
+    const hmesh::Image<std::uint16_t, 1> low(31, 29);
+    refuses({}, low.view());
+    refuses({}, {enough.view(), {}, 0, 2});
+    refuses({}, {enough.view(), {}, 0, -1});
+    for (const auto& [width, height] : {std::array<int, 2>{31, 30}, {30, 31}}) {
+        const hmesh::Image<std::uint8_t, 1> mask(width, height);
+        refuses({}, {enough.view(), mask.view()});
+    }
+    hmesh::Mesh two = land.mesh;  // heights are its second channel, and the samples have one
+    two.channels = 2, two.colors.resize(2 * two.vertex_count());
+    hmesh::HeightOptions second;
+    second.z.channel = 1;
+    const auto write = [&](const hmesh::MeshView& mesh, hmesh::Sink sink) {
+        return hmesh::write_height_ply(mesh, enough.view(), sink, second);
+    };
+    hmesh_test::check_refused(two.view(), hmesh::Errc::invalid_argument, write);
     CHECK(!ply(land.mesh.view(), enough.view()).empty());
 }
