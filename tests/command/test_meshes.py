@@ -79,6 +79,24 @@ def test_tiles_make_another_mesh_for_any_number_of_threads(hmesh):
     assert read("whole.ply") != read("tiles.ply") == read("again.ply")
 
 
+def test_seeds_and_efforts_make_other_meshes(hmesh):
+    options = ["", "--seed 2", "--effort draft", "--effort fast"]
+    psnr = [hmesh.report(f"picture.png --vertices 100 {option} -o {k}.ply")["psnr"] for k, option in enumerate(options)]
+    assert len({read(f"{k}.ply") for k in range(4)}) == 4 and psnr[2] < psnr[3] < psnr[0]
+
+
+def test_where_weights_are_large_the_mesh_is_closer(hmesh):
+    weights = Image.new("L", (96, 64), 1)
+    weights.paste(255, (0, 0, 48, 64))
+    weights.save("weights.png")
+    off = []
+    for name, option in {"plain": "", "weighted": "--weights weights.png"}.items():
+        hmesh.done(f"picture.png --vertices 100 {option} --render {name}.png -q")
+        halves = [Image.open(file).convert("RGB").crop((0, 0, 48, 64)).tobytes() for file in ["picture.png", f"{name}.png"]]
+        off.append(sum((a - b) ** 2 for a, b in zip(*halves)))
+    assert off[1] < 0.7 * off[0]
+
+
 @pytest.mark.parametrize("file", ["grey.pgm", "grey16.pgm", "color.ppm", "color16.ppm", "grey_alpha.tga", "rgba.tga"])
 def test_any_image_serves_as_weights(hmesh, file):
     report = hmesh.report(f"grey.pgm --weights {file}")
@@ -238,6 +256,47 @@ def test_pictures_have_their_sizes(hmesh):
     hmesh.done("picture.png --vertices 100 --render big.png --render-scale 3 --residual residual.png --strip strip.png")
     assert is_png("big.png", (288, 192)) and is_png("residual.png", (96, 64))
     assert is_png("strip.png", (396, 64))  # four pictures, 4 px between
+
+
+def test_a_strip_is_the_image_the_mesh_its_edges_and_what_is_off_four_times_as_large(hmesh):
+    hmesh.done("picture.png --vertices 100 --render render.png --residual residual.png --strip strip.png -q")
+    names = ["picture", "render", "strip", "residual"]
+    original, drawn, strip, residual = (Image.open(f"{name}.png").convert("RGB") for name in names)
+    parts = [strip.crop((100 * k, 0, 100 * k + 96, 64)).tobytes() for k in range(4)]
+    off = bytes(max(0, min(255, 128 + 4 * (d - o))) for o, d in zip(original.tobytes(), drawn.tobytes()))
+    assert parts[0] == original.tobytes() and parts[1] == drawn.tobytes() and parts[3] == residual.tobytes() == off
+    lines = list(zip(parts[1], parts[2]))  # white
+    assert sum(a != b for a, b in lines) > 2000 and all(a <= b for a, b in lines)
+    assert all(set(strip.crop((100 * k - 4, 0, 100 * k, 64)).tobytes()) == {255} for k in (1, 2, 3))
+
+
+@pytest.mark.parametrize("options", ["", "--samples points", "--periodic x"])
+def test_a_wireframe_is_the_edges_and_nothing_else(hmesh, options):
+    hmesh.done(f"black.pgm --vertices 24 {options} --wireframe wire.png -o mesh.obj -q")
+    lines = [line.split() for line in Path("mesh.obj").read_text().splitlines()]
+    shift, height = (0.5, 30) if "points" in options else (0, 32)  # of the picture, which is twice as large
+    scale = (39 / 19, 31 / 15) if "points" in options else (2, 2)
+    places = [(float(x), height / 2 - float(y)) for kind, x, y, *_ in lines[1:] if kind == "v"]
+    points = [(x * scale[0] + shift, y * scale[1] + shift) for x, y in places]
+    edges = {tuple(sorted((int(face[k]), int(face[k % 3 + 1])))) for face in lines[1:] if face[0] == "f" for k in (1, 2, 3)}
+    edges = [(points[a - 1], points[b - 1]) for a, b in edges]
+    if "periodic" in options:
+        edges += [((a[0] + turn, a[1]), (b[0] + turn, b[1])) for a, b in edges for turn in (-40, 40)]
+    wire, lit = Image.open("wire.png").convert("L"), 0
+    assert wire.size == (40, 32)
+    for y in range(32):
+        for x in range(40):
+            far = min(distance(x + 0.5, y + 0.5, *edge) for edge in edges)
+            lit += far < 0.5
+            assert wire.getpixel((x, y)) == 0 if far > 1.01 else far > 0.5 or wire.getpixel((x, y)) >= 0.5 * 0.6 * 255 - 1
+    assert 200 < lit < 1000
+
+
+def distance(x, y, a, b):
+    """Of a place from a line from a to b."""
+    across, down = b[0] - a[0], b[1] - a[1]
+    along = max(0, min(1, ((x - a[0]) * across + (y - a[1]) * down) / (across * across + down * down)))
+    return math.hypot(a[0] + along * across - x, a[1] + along * down - y)
 
 
 def test_where_nothing_is_lost_the_residual_is_plain(hmesh):
