@@ -137,7 +137,14 @@ def test_an_outline_covers_every_pixel_once_and_has_texture_coordinates(icons):
     assert "mtllib disc.mtl\n" in Path("disc.obj").read_text() and "map_Kd -clamp on disc.png\n" in Path("disc.mtl").read_text()
     gltf = json_of("new/disc.glb")
     assert gltf["images"] == [{"uri": "../disc.png"}] and gltf["accessors"][1]["count"] == len(vertices)
-    assert Image.open("w.png").size == (160, 120)
+    wire = Image.open("w.png").convert("RGB")
+    assert wire.size == (160, 120) and wire.getpixel((2, 2)) == (128, 128, 128)  # air is grey
+    assert sum(wire.getpixel((2 * x, 2 * y)) == (3 * x, 4 * y, 90) for x in range(15, 32) for y in range(22, 39)) > 200  # of 289
+    text = icons.done("disc.png --outline")
+    share, least = 100 * report["area"], 100 * report["area_needed"]
+    for line in [f"vertices  {len(vertices)} of {report['borders']} borders", f"faces     {len(faces)}",
+                 f"area      {share:.2f} % of the rectangle, of which {least:.2f} % have to be inside"]:
+        assert f"\n{line}\n" in text
 
 
 @pytest.mark.parametrize("options, most", [("--max-vertices 4", 4), ("--max-vertices 9", 9), ("--tolerance 100", 12)])
