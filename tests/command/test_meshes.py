@@ -42,6 +42,8 @@ def test_a_mesh_pictures_and_a_report_are_written_and_told(hmesh):
                                          "stored values; psnr of the mesh, values drawn not rounded, psnr_written of "
                                          "what the files hold")
     assert report["psnr"] == pytest.approx(10 * math.log10(255**2 * 96 * 64 * 3 / report["energy"]), abs=1e-6)
+    assert report["seconds"] > 0.99 * sum(stage["seconds"] for stage in report["stages"]) > 0
+    assert float(re.search(r"^time +([0-9.]+) s$", out, re.M)[1]) == pytest.approx(report["seconds"], abs=0.006)
     for stage in report["stages"]:
         assert list(stage) == ["name", "vertices", "energy", "psnr", "seconds"]
         assert stage["name"] and stage["vertices"] >= 4 and stage["psnr"] > 0 and stage["seconds"] >= 0
