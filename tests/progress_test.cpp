@@ -501,16 +501,20 @@ TEST_CASE("a task that expects a number of beats moves on with them, as far as i
 TEST_CASE("the work of a run is that of the stages it has, and less from a mesh than from the start") {
     for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::fine, Effort::best}) {
         const hmesh::kit::AnnealedSteps steps = hmesh::kit::annealed_steps(effort);
-        const hmesh::kit::AnnealedWork work = hmesh::kit::annealed_work(steps, 262144, 2621, false);
+        const hmesh::kit::AnnealedWork work = hmesh::kit::annealed_work(steps, 262144, 2621, 0);
         CHECK(work.collapse > 0);
         CHECK((work.anneal > 0) == (effort >= Effort::fast));
         CHECK(work.sum() > work.settle + work.collapse + work.anneal);
         Annealed recipe = annealed(effort);
         CHECK(recipe.work(512, 512, 2621) == work.sum());
-        const hmesh::Mesh any;
+        hmesh::Mesh any;
+        any.positions.resize(2621);
         recipe.start = &any;
-        CHECK(recipe.work(512, 512, 2621) == hmesh::kit::annealed_work(steps, 262144, 2621, true).sum());
-        CHECK(recipe.work(512, 512, 2621) < work.sum());
+        const double as_many = recipe.work(512, 512, 2621);
+        CHECK(as_many == hmesh::kit::annealed_work(steps, 262144, 2621, 2621).sum());
+        CHECK(as_many < work.sum());
+        any.positions.resize(26210);
+        CHECK(recipe.work(512, 512, 2621) > as_many + work.collapse);
     }
 }
 

@@ -38,14 +38,14 @@ double meshing_work(int width, int height, const MeshingOptions& options) noexce
     const double one = options.method == Method::adaptive_thinning ? 12 * pixels
                        : options.method != Method::annealed
                            ? 0.2 * pixels + 150 * n
-                           : hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), pixels, n, false).sum();
+                           : hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), pixels, n, 0).sum();
     // The coarser levels of all that there can be take two fifths of the first.
     const double coarser = 0.4 * one * (1 - std::exp2(1 - options.levels));
     // On a copy of 65,536 px, or more where the bytes are many.
     const double least = std::min(pixels, std::max(65536.0, 32.0 * static_cast<double>(options.bytes)));
     if (options.bytes > 0)
         return 40 * hmesh::kit::annealed_work(hmesh::kit::annealed_steps(options.effort), least,
-                                              0.4 * static_cast<double>(options.bytes), false)
+                                              0.4 * static_cast<double>(options.bytes), 0)
                         .sum();
     return coarser + (is_search ? 2.5 * one : one);
 }

@@ -120,13 +120,13 @@ template <int C>
             static_cast<std::int64_t>(border.size()), static_cast<std::int64_t>(n)};
 }
 
-/// Tells progress of the stages of a run.
+/// Tells progress of the stages of a run from a mesh of `from` vertices; 0: from points.
 HMESH_COLD inline void plan_stages(ProgressReporter& progress, const AnnealedSteps& steps, double pixels, std::size_t n,
-                                   bool has_start) {
-    const AnnealedWork work = annealed_work(steps, pixels, static_cast<double>(n), has_start);
+                                   std::size_t from) {
+    const AnnealedWork work = annealed_work(steps, pixels, static_cast<double>(n), static_cast<double>(from));
     const bool collapses = work.collapse > 0, anneals = work.anneal > 0;
-    if (has_start && anneals) progress.plan({work.start, work.anneal, work.polish, work.colors});
-    else if (has_start) progress.plan({work.start, work.polish, work.colors});
+    if (from > 0 && anneals) progress.plan({work.start, work.anneal, work.polish, work.colors});
+    else if (from > 0) progress.plan({work.start, work.polish, work.colors});
     else if (collapses && anneals) progress.plan({work.start, work.settle, work.collapse, work.anneal, work.polish, work.colors});
     else if (collapses || anneals)
         progress.plan({work.start, work.settle, work.collapse + work.anneal, work.polish, work.colors});
@@ -147,21 +147,21 @@ class AnnealedRun {
 
     /// Runs all stages. False: cancelled, or more than n vertices are left and none of them can be removed.
     bool run() {
-        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, false);
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, 0);
         tiled_->indexed() = tied_corner_mesh(tiled_->source());  // the mesh after a cancellation in the first stage
         return stage("points", [&] { return draw_points(); }) && stage("settle", [&] { return settle(); }) &&
-               (steps_.points <= 1 || stage("collapse", [&] { return collapse(true); })) && finish();
+               (steps_.points <= 1 || stage("collapse", [&] { return collapse(n_, true); })) && finish();
     }
     /// The same from `mesh` on, which check_start() accepts.
     bool run_from(IndexedMesh<C> mesh) {
-        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, true);
+        plan_stages(progress(), steps_, tiled_->source().pixels(), n_, mesh.positions.size());
         tiled_->indexed() = std::move(mesh);
         tiled_->indexed().has_fixed_border = !border_->empty();
         return stage("start",
                      [&] {
                          lay_tiles();
                          tiled_->measure(tilings_[0]);
-                         return reach();
+                         return come_near() && reach();
                      }) &&
                finish();
     }
@@ -173,7 +173,7 @@ class AnnealedRun {
         if (work.anneal > 0) progress().plan({work.collapse, work.anneal, work.polish, work.colors});
         else progress().plan({work.collapse, work.polish, work.colors});
         tiled_->indexed().has_fixed_border = !border_->empty();
-        return stage("collapse", [&] { return collapse(false); }) && finish();
+        return stage("collapse", [&] { return collapse(n_, false); }) && finish();
     }
 
   private:
@@ -187,6 +187,15 @@ class AnnealedRun {
         const int first = phase_;
         return reach_vertex_count(*tiled_, n_, steps_.relaxation,
                                   [&](int k) -> const Tiling& { return tilings_[phase_ = first + k]; });
+    }
+    /// Removes most of what a mesh to start from has too much. reach() does that in batches of 1/32, of which 16 n vertices take
+    /// five times as long. What large ones spoil annealing mends; without it half as many again are left to small ones.
+    HMESH_COLD bool come_near() {
+        const std::size_t more = n_ + n_ / 2;
+        if (tiled_->vertex_count() <= more) return true;
+        const bool go_on = collapse(steps_.annealing.sweeps > 0 ? n_ : more, false, 0.8);
+        progress().set_range(0.8, 1);
+        return go_on;
     }
     [[nodiscard]] ProgressReporter& progress() noexcept { return tiled_->progress(); }
     /// Lays all tilings by the vertices of indexed(), unless tiles are equal.
@@ -325,21 +334,22 @@ class AnnealedRun {
     }
     HMESH_COLD bool settle() { return for_each_piece(false, 0, 1, visits()); }
 
-    /// Removes the cheapest vertices until there are n; `has_settled`: after settle(), which left vertices at seams.
-    HMESH_COLD bool collapse(bool has_settled) {
+    /// Removes the cheapest vertices until there are n, which is `end` of the stage; `has_settled`: after settle(), which left
+    /// vertices at seams.
+    HMESH_COLD bool collapse(std::size_t n, bool has_settled, double end = 1) {
         const std::size_t first = tiled_->vertex_count();
         const bool has_seams = has_seams_;
         const double begin = has_seams && has_settled ? 0.05 : 0;
         if (has_settled && !for_each_seam(0, begin, visits())) return false;
         double reached = begin;
         // Annealing does not mind a few more.
-        const std::size_t most = n_ + (steps_.annealing.sweeps > 0 ? n_ / 1000 : 0);
+        const std::size_t most = n + (steps_.annealing.sweeps > 0 ? n / 1000 : 0);
         for (int stuck = 0; tiled_->vertex_count() > most && stuck < 4;) {
             const std::size_t before = tiled_->vertex_count();
             const auto largest = static_cast<std::size_t>(std::ceil(static_cast<double>(before) * steps_.collapse_batch));
-            const std::size_t batch = std::min(before - n_, largest);
+            const std::size_t batch = std::min(before - n, largest);
             const auto done = [&](std::size_t count) {
-                return begin + (1 - begin) * static_cast<double>(first - count) / static_cast<double>(first - n_);
+                return begin + (end - begin) * static_cast<double>(first - count) / static_cast<double>(first - n);
             };
             // A batch may have fallen short of what was expected.
             const double from = reached, to = std::max(from, done(before - batch));
@@ -349,13 +359,13 @@ class AnnealedRun {
             const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, to);
             // No two neighbours go in one batch, and so never a third of all.
-            const bool may_end = before - batch <= n_ && 3 * batch < before;
+            const bool may_end = before - batch <= n && 3 * batch < before;
             remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
             if (progress().stopped()) return false;
             if (has_seams) {
                 phase_ ^= 1;
                 // Where the seams can end it they do; else their vertices come with all others of the next batch.
-                const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n_);
+                const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n);
                 if (left > 0 && 3 * left < tiled_->locked_count()) {
                     progress().set_range(to, to);
                     remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);

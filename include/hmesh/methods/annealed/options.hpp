@@ -129,7 +129,7 @@ struct Annealed {
     /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
     [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
         return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
-                                  static_cast<double>(n), start != nullptr)
+                                  static_cast<double>(n), start != nullptr ? static_cast<double>(start->positions.size()) : 0)
             .sum();
     }
     /// What drafts and sketches foretell. A run at normal took 0.40 to 0.76 of the vertices that drafts took for PSNRs of 20.5

@@ -3,6 +3,8 @@
 #ifndef HMESH_METHODS_ANNEALED_WORK_HPP
 #define HMESH_METHODS_ANNEALED_WORK_HPP
 
+#include <algorithm>
+
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/methods/annealed/steps.hpp"
 
@@ -24,12 +26,14 @@ struct AnnealedWork {
     [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
 };
 
-/// The work of a run for n vertices with these steps, of an image of so many pixels, from the start or from a mesh.
+/// The work of a run for n vertices with these steps, of an image of so many pixels, from a mesh of `from` vertices; 0: from
+/// points.
 [[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
-                                                           bool has_start) noexcept {
+                                                           double from) noexcept {
     AnnealedWork work;
     const double points = steps.points * n;
-    work.start = 0.045 * pixels + (has_start ? 4 * n : 1.3 * points);
+    const bool has_start = from > 0;
+    work.start = 0.045 * pixels + (has_start ? 4 * n + 16 * std::max(0.0, from - n) : 1.3 * points);
     if (!has_start) {
         work.settle = 0.9 * points * steps.settle_rounds;
         if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
@@ -44,7 +48,7 @@ struct AnnealedWork {
 /// The work of a level of detail of n vertices, made of one of `from` with coarser_steps().
 [[nodiscard]] HMESH_COLD inline AnnealedWork coarser_work(const AnnealedSteps& steps, double pixels, double from,
                                                           double n) noexcept {
-    AnnealedWork work = annealed_work(steps, pixels, n, true);
+    AnnealedWork work = annealed_work(steps, pixels, n, from);
     work.start = 0;
     work.collapse = 16 * (from - n);
     return work;
