@@ -7380,8 +7380,7 @@ struct Annealed {
     /// How long a run for n vertices takes, in the unit of kit::AnnealedWork: for the progress of searches.
     [[nodiscard]] double work(int width, int height, std::size_t n) const noexcept {
         return kit::annealed_work(steps.value_or(kit::annealed_steps(effort)), static_cast<double>(width) * height,
-                                  static_cast<double>(n),
-                                  start != nullptr ? static_cast<double>(start->positions.size()) : 0)
+                                  static_cast<double>(n), start != nullptr ? static_cast<double>(start->positions.size()) : 0)
             .sum();
     }
     /// What drafts and sketches foretell. A run at normal took 0.40 to 0.76 of the vertices that drafts took for PSNRs of 20.5
@@ -9613,9 +9612,10 @@ class HalfedgeMesh {
     void set_halfedge(Face f, Halfedge h) { faces_.edit(f.index()).halfedge = h; }
     void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
-    [[nodiscard]] Vertex new_vertex();
-    [[nodiscard]] Halfedge new_edge();  ///< returns the even half-edge
-    [[nodiscard]] Face new_face();
+    // Calls, as a split has up to nine of them.
+    [[nodiscard]] HMESH_NEVER_INLINE inline Vertex new_vertex();
+    [[nodiscard]] HMESH_NEVER_INLINE inline Halfedge new_edge();  ///< returns the even half-edge
+    [[nodiscard]] HMESH_NEVER_INLINE inline Face new_face();
     void delete_vertex(Vertex v);
     void delete_edge(Edge e);
     void delete_face(Face f);
@@ -9975,7 +9975,7 @@ inline Status HalfedgeMesh::check_fans(const Array<std::uint32_t>& leaving, cons
 
 // --- edits ---------------------------------------------------------------------------------------------------------
 
-inline Vertex HalfedgeMesh::new_vertex() {
+Vertex HalfedgeMesh::new_vertex() {
     ++counts_.vertices;
     if (counts_.free_vertex == free_end) {
         vertices_.push_back({});
@@ -9986,7 +9986,7 @@ inline Vertex HalfedgeMesh::new_vertex() {
     return v;
 }
 
-inline Halfedge HalfedgeMesh::new_edge() {
+Halfedge HalfedgeMesh::new_edge() {
     ++counts_.edges;
     if (counts_.free_edge == free_end) {
         halfedges_.push_back({});
@@ -9998,7 +9998,7 @@ inline Halfedge HalfedgeMesh::new_edge() {
     return h;
 }
 
-inline Face HalfedgeMesh::new_face() {
+Face HalfedgeMesh::new_face() {
     ++counts_.faces;
     if (counts_.free_face == free_end) {
         faces_.push_back({});

@@ -206,9 +206,10 @@ class HalfedgeMesh {
     void set_halfedge(Face f, Halfedge h) { faces_.edit(f.index()).halfedge = h; }
     void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
-    [[nodiscard]] Vertex new_vertex();
-    [[nodiscard]] Halfedge new_edge();  ///< returns the even half-edge
-    [[nodiscard]] Face new_face();
+    // Calls, as a split has up to nine of them.
+    [[nodiscard]] HMESH_NEVER_INLINE inline Vertex new_vertex();
+    [[nodiscard]] HMESH_NEVER_INLINE inline Halfedge new_edge();  ///< returns the even half-edge
+    [[nodiscard]] HMESH_NEVER_INLINE inline Face new_face();
     void delete_vertex(Vertex v);
     void delete_edge(Edge e);
     void delete_face(Face f);

@@ -219,7 +219,7 @@ inline Status HalfedgeMesh::check_fans(const Array<std::uint32_t>& leaving, cons
 
 // --- edits ---------------------------------------------------------------------------------------------------------
 
-inline Vertex HalfedgeMesh::new_vertex() {
+Vertex HalfedgeMesh::new_vertex() {
     ++counts_.vertices;
     if (counts_.free_vertex == free_end) {
         vertices_.push_back({});
@@ -230,7 +230,7 @@ inline Vertex HalfedgeMesh::new_vertex() {
     return v;
 }
 
-inline Halfedge HalfedgeMesh::new_edge() {
+Halfedge HalfedgeMesh::new_edge() {
     ++counts_.edges;
     if (counts_.free_edge == free_end) {
         halfedges_.push_back({});
@@ -242,7 +242,7 @@ inline Halfedge HalfedgeMesh::new_edge() {
     return h;
 }
 
-inline Face HalfedgeMesh::new_face() {
+Face HalfedgeMesh::new_face() {
     ++counts_.faces;
     if (counts_.free_face == free_end) {
         faces_.push_back({});
