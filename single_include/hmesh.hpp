@@ -7201,17 +7201,17 @@ struct Options {
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
 /// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status. A recipe that
-/// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
-/// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
-/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and
-/// `hmesh::kit::Trials trials() const`, what drafts and sketches foretell of whole runs; a `double work(int width, int height,
-/// std::size_t n) const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr
-/// bool can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
-/// periodic(); without it such images are refused. run() may tell mesh.progress() by plan() how long its stages take. A
-/// tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks, premultiplication, weights, the
-/// search for a PSNR, final colours, the report. Recipes are made of the building blocks in hmesh::kit, which are public,
-/// documented, and free to change before version 1.
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status: mesh_image() then
+/// returns its mesh, unless it failed before its first stage (methods/stage.hpp) had ended. A recipe that wants the pixels
+/// themselves declares run() with the image between its arguments, `template <class T, int C> run(TiledMesh<C>&, const
+/// ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a PSNR cheaper, by `Recipe
+/// from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `hmesh::kit::Trials trials() const`, what
+/// drafts and sketches foretell of whole runs; a `double work(int width, int height, std::size_t n) const`, how long a run takes,
+/// in any unit, lets the progress of such a search run evenly. `static constexpr bool can_be_periodic = true` says that run()
+/// makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are periodic(); without it such images are refused.
+/// run() may tell mesh.progress() by plan() how long its stages take. A tile_size() of the image's longer side means one piece.
+/// mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are
+/// made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 
@@ -7301,10 +7301,10 @@ struct Annealed {
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
-    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
-    /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image, more than 63 of them around a vertex, Mesh::periodic or Mesh::samples other
-    /// than those of the options, a border that is to be straight and is not.
+    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and no mesh, where it
+    /// is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not
+    /// tile the image, more than 63 of them around a vertex, Mesh::periodic or Mesh::samples other than those of the options, a
+    /// border that is to be straight and is not.
     const Mesh* start = nullptr;
     /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
     /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
@@ -7486,11 +7486,11 @@ namespace hmesh {
 ///     (methods/recipe.hpp)
 /// \param parallel_for  executor of the tiles and of the passes over pixels (core/parallel.hpp); by default the calling thread
 /// \return              the mesh, its error, and a status:
-///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh; what a recipe refuses
-///       when it runs, as Annealed does a mesh to start from and sides of border_tolerance, comes with one of the four corners);
-///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), for one that limits.position_step
-///       leaves no places for, or for a PSNR that no mesh reached (with the nearest mesh), and for fewer vertices than the sides
-///       have by Annealed::border_tolerance (with the mesh of the four corners);
+///     - invalid_argument, image_too_large or not_finite where the image or an option is refused, a mesh to start from too
+///       (no mesh);
+///     - target_out_of_range for a number of vertices that the image cannot hold, or that the sides have more of by
+///       Annealed::border_tolerance (no mesh), and for one that limits.position_step leaves no places for, or for a PSNR that no
+///       mesh reached (with the nearest mesh);
 ///     - cancelled by options.progress (with the mesh reached so far).
 ///
 /// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its
@@ -17140,6 +17140,10 @@ template <int C>
     const auto so_far = [&] { return mesh_so_far(subject, fitted, options); };
     fitted.offer(so_far);
     const Status status = recipe.run(fitted, n, from);
+    if (!status && status.code != Errc::cancelled && progress.stages().empty()) {  // refused before anything was done
+        result.status = status;
+        return result;
+    }
     result = finish(subject, fitted, status, tile, recipe.colors, options);
     notes = std::move(fitted.notes());
     return result;

@@ -38,11 +38,11 @@ namespace hmesh {
 ///     (methods/recipe.hpp)
 /// \param parallel_for  executor of the tiles and of the passes over pixels (core/parallel.hpp); by default the calling thread
 /// \return              the mesh, its error, and a status:
-///     - invalid_argument, image_too_large or not_finite where the image or an option is refused (no mesh; what a recipe refuses
-///       when it runs, as Annealed does a mesh to start from and sides of border_tolerance, comes with one of the four corners);
-///     - target_out_of_range for a number of vertices that the image cannot hold (no mesh), for one that limits.position_step
-///       leaves no places for, or for a PSNR that no mesh reached (with the nearest mesh), and for fewer vertices than the sides
-///       have by Annealed::border_tolerance (with the mesh of the four corners);
+///     - invalid_argument, image_too_large or not_finite where the image or an option is refused, a mesh to start from too
+///       (no mesh);
+///     - target_out_of_range for a number of vertices that the image cannot hold, or that the sides have more of by
+///       Annealed::border_tolerance (no mesh), and for one that limits.position_step leaves no places for, or for a PSNR that no
+///       mesh reached (with the nearest mesh);
 ///     - cancelled by options.progress (with the mesh reached so far).
 ///
 /// The same image, options and recipe give the same bytes with any executor and any number of threads. Throws nothing of its

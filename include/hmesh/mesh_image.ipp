@@ -158,6 +158,10 @@ template <int C>
     const auto so_far = [&] { return mesh_so_far(subject, fitted, options); };
     fitted.offer(so_far);
     const Status status = recipe.run(fitted, n, from);
+    if (!status && status.code != Errc::cancelled && progress.stages().empty()) {  // refused before anything was done
+        result.status = status;
+        return result;
+    }
     result = finish(subject, fitted, status, tile, recipe.colors, options);
     notes = std::move(fitted.notes());
     return result;

@@ -74,6 +74,11 @@ def test_fewer_vertices_than_the_sides_need_are_refused_and_nothing_is_written(h
         assert not Path("mesh.ply").exists()
 
 
+def test_a_search_that_ends_at_sides_of_four_corners_writes_them(hmesh):
+    hmesh.fails("no mesh of so few vertices reached", "grey.pgm --psnr 90 --max-vertices 4 --samples points --border-tolerance 255 -o few.ply")
+    assert "element vertex 4" in ply_header("few.ply")
+
+
 @pytest.mark.parametrize("options, sentence", [
     ("--samples dots", "--samples"),
     ("--samples points --periodic x", "--samples points is given with --periodic, whose samples are squares"),

@@ -294,9 +294,6 @@ Failure find_unwritable(const MeshJob& job, const Meshed& meshed) {
     // make and Ninja would take files that are there as up to date, whatever the exit status was.
     if (!outcome.status && !arguments.depfile.empty())
         return {meshed.sentence + "; nothing is written, as --depfile asks for whole results", false, meshed.is_interrupted};
-    // The mesh of four corners has not the sides that were asked for.
-    if (options.border_tolerance && outcome.status.code == hmesh::Errc::target_out_of_range && outcome.report.vertices == 4)
-        return {meshed.sentence + "; nothing is written"};
     if (std::string why = find_too_many_levels(options, outcome.report.vertices); !why.empty())
         return {input_words(arguments.input) + ": " + why + "; nothing is written"};
     return {};

@@ -125,11 +125,7 @@ Lods mesh_lods(const ImageView<T, C>& view, const Options& options, const LodOpt
     out.levels.push_back(mesh_image(view, of_first, recipe, parallel_for));
     const Result& finest = out.levels.front();
     out.status = finest.status;
-    // What a recipe refuses when it runs comes with a mesh of the four corners: sides of more vertices than are asked for, too.
-    const bool has_corners_alone = recipe.border_tolerance && finest.report.vertices == 4 && out.status.value > out.status.limit;
-    if (!finest.has_mesh() || out.status.code == Errc::invalid_argument ||
-        (out.status.code == Errc::target_out_of_range && has_corners_alone))
-        out.levels.clear();
+    if (!finest.has_mesh()) out.levels.clear();
     if (!out.status && (out.levels.empty() || out.status.code != Errc::target_out_of_range)) return out;
 
     const auto body = [&](const detail::Subject<C>& subject, const ImageView<T, C>&) {

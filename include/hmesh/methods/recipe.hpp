@@ -11,17 +11,17 @@
 ///     template <int C> hmesh::Status run(hmesh::kit::TiledMesh<C>& mesh, std::size_t n) const;
 ///
 /// run() replaces `mesh` by a mesh of exactly n vertices of the image mesh.source(), 4 <= n <= max(4, pixels), and returns an ok
-/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status. A recipe that
-/// wants the pixels themselves declares run() with the image between its arguments, `template <class T, int C>
-/// run(TiledMesh<C>&, const ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a
-/// PSNR cheaper, by `Recipe from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and
-/// `hmesh::kit::Trials trials() const`, what drafts and sketches foretell of whole runs; a `double work(int width, int height,
-/// std::size_t n) const`, how long a run takes, in any unit, lets the progress of such a search run evenly. `static constexpr
-/// bool can_be_periodic = true` says that run() makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are
-/// periodic(); without it such images are refused. run() may tell mesh.progress() by plan() how long its stages take. A
-/// tile_size() of the image's longer side means one piece. mesh_image() does the rest: checks, premultiplication, weights, the
-/// search for a PSNR, final colours, the report. Recipes are made of the building blocks in hmesh::kit, which are public,
-/// documented, and free to change before version 1.
+/// status; cancelled, it leaves a valid mesh and returns Errc::cancelled, and where it fails, any other status: mesh_image() then
+/// returns its mesh, unless it failed before its first stage (methods/stage.hpp) had ended. A recipe that wants the pixels
+/// themselves declares run() with the image between its arguments, `template <class T, int C> run(TiledMesh<C>&, const
+/// ImageView<T, C>&, std::size_t)`. One that can go on from a mesh of another run makes searches for a PSNR cheaper, by `Recipe
+/// from(const hmesh::kit::Beginning&) const`, the recipe for one run of a search, and `hmesh::kit::Trials trials() const`, what
+/// drafts and sketches foretell of whole runs; a `double work(int width, int height, std::size_t n) const`, how long a run takes,
+/// in any unit, lets the progress of such a search run evenly. `static constexpr bool can_be_periodic = true` says that run()
+/// makes periodic meshes, cut open as tiles/recut.hpp says, of sources that are periodic(); without it such images are refused.
+/// run() may tell mesh.progress() by plan() how long its stages take. A tile_size() of the image's longer side means one piece.
+/// mesh_image() does the rest: checks, premultiplication, weights, the search for a PSNR, final colours, the report. Recipes are
+/// made of the building blocks in hmesh::kit, which are public, documented, and free to change before version 1.
 #ifndef HMESH_METHODS_RECIPE_HPP
 #define HMESH_METHODS_RECIPE_HPP
 

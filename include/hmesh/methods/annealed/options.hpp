@@ -50,10 +50,10 @@ struct Annealed {
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
     /// A mesh of the image to go on from in place of the points, with any number of vertices: it is brought to the number
-    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and the image's two
-    /// triangles for a mesh, where it is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are
-    /// not finite, faces that do not tile the image, more than 63 of them around a vertex, Mesh::periodic or Mesh::samples other
-    /// than those of the options, a border that is to be straight and is not.
+    /// asked for, then annealed and polished. It must outlive the call; null: none. Errc::invalid_argument, and no mesh, where it
+    /// is no mesh of the image: size, channels, positions off the 1/256 px grid, colours that are not finite, faces that do not
+    /// tile the image, more than 63 of them around a vertex, Mesh::periodic or Mesh::samples other than those of the options, a
+    /// border that is to be straight and is not.
     const Mesh* start = nullptr;
     /// Of images whose samples are points: where set, >= 0, each side of the mesh is the polyline of the fewest of its samples
     /// that passes all others within so much, in stored values. It then follows from that row of samples and this tolerance
