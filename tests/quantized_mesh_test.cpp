@@ -191,6 +191,10 @@ TEST_CASE("a tile lists the vertices of its sides, from west to east and from so
             before = tile.vertices[v][along];
         }
         for (std::uint32_t v = 0; v < tile.vertices.size(); ++v) CHECK((tile.vertices[v][fixed] == at) == (listed.count(v) == 1));
+        // Those so near to the side are as near as they may be, a step from it.
+        const int next = side < 2 ? 1 : 32766;
+        CHECK(std::count_if(tile.vertices.begin(), tile.vertices.end(), [&](const auto& v) { return v[fixed] == next; }) ==
+              static_cast<std::ptrdiff_t>(counts[side]));
     }
 }
 
@@ -215,6 +219,69 @@ TEST_CASE("the sphere holds all vertices, is hardly larger than it must be, and 
         CHECK(tile.low == static_cast<double>(*low));
         CHECK(tile.high == static_cast<double>(*high));
     }
+}
+
+TEST_CASE("the sphere is around the middle of the vertices' box, which lies as the ground does in the middle of the tile") {
+    for (const double south : {-70.0, -20.0, 30.0, 89.3}) {  // the last one where a degree of longitude is hardly a kilometre
+        hmesh::QuantizedMeshOptions sides;
+        sides.west = 160, sides.east = 175, sides.south = south, sides.north = south < 89 ? south + 10 : 89.9;
+        sides.z.scale = 4;
+        const Tile tile = read_tile(bytes_of(terrain(20, 14, Samples::points, hills).mesh, {}, sides));
+        const double lon = 167.5 * degree, lat = (sides.south + sides.north) / 2 * degree;
+        const std::array<Point3, 3> axes = {{{-std::sin(lon), std::cos(lon), 0},
+                                             {-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
+                                             {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)}}};
+        double farthest = 0;
+        for (const Point3& axis : axes) {
+            double low = 1e9, high = -1e9;
+            for (const auto& at : tile.vertices) {
+                const double along = hmesh_test::inner(decoded(tile, sides, at), axis);
+                low = std::min(low, along), high = std::max(high, along);
+            }
+            CHECK(std::abs(hmesh_test::inner(tile.center, axis) - (low + high) / 2) < 1e-3);  // m
+        }
+        for (const auto& at : tile.vertices)
+            farthest = std::max(farthest, hmesh_test::size_of_vector(hmesh_test::minus(decoded(tile, sides, at), tile.center)));
+        CHECK(tile.radius >= farthest);
+        CHECK(tile.radius <= farthest + 0.002);
+    }
+}
+
+TEST_CASE("the heights that stand for both ends are floats, the next one below and the next one above what is asked for") {
+    const Terrain land = terrain(4, 3, Samples::points, [](double, double) { return 0.0; });
+    // Of each pair the nearest floats are one above and one below, in some order.
+    for (const double shift : {0.1, 0.2, 0.3, 0.7})
+        for (const double sign : {-1.0, 1.0}) {
+            hmesh::QuantizedMeshOptions sides = alps();
+            sides.low = sign * (1000 + shift) - 2000, sides.high = sign * (1000 + shift) + 2000;
+            const Tile tile = read_tile(bytes_of(land.mesh, {}, sides));
+            const auto low = static_cast<float>(tile.low), high = static_cast<float>(tile.high);
+            CHECK(tile.low <= sides.low);
+            CHECK(static_cast<double>(std::nextafter(low, 1e9F)) > sides.low);
+            CHECK(tile.high >= sides.high);
+            CHECK(static_cast<double>(std::nextafter(high, -1e9F)) < sides.high);
+        }
+    // Floats stay what they are.
+    hmesh::QuantizedMeshOptions sides = alps();
+    sides.low = -0.25, sides.high = 8.5;
+    const Tile tile = read_tile(bytes_of(land.mesh, {}, sides));
+    CHECK(tile.low == -0.25);
+    CHECK(tile.high == 8.5);
+}
+
+TEST_CASE("a range of heights that is not given is that of all vertices, and may be far below a metre") {
+    for (std::size_t lowest = 0; lowest < 4; ++lowest)
+        for (std::size_t highest = 0; highest < 4; ++highest) {
+            if (lowest == highest) continue;
+            hmesh::Mesh mesh = terrain(1, 1, Samples::points, [](double, double) { return 7.0; }).mesh;
+            mesh.colors[lowest] = 6.875F, mesh.colors[highest] = 7.25F;
+            const Tile tile = read_tile(bytes_of(mesh, {}, alps()));
+            CHECK(tile.low == 6.875);
+            CHECK(tile.high == 7.25);
+            std::multiset<int> heights;
+            for (const auto& at : tile.vertices) heights.insert(at[2]);
+            CHECK(heights == std::multiset<int>{0, 10922, 10922, 32767});  // a third of the way
+        }
 }
 
 TEST_CASE("what is hidden with the occlusion point is all hidden: eyes anywhere, brute force") {
@@ -258,31 +325,65 @@ TEST_CASE("a tile of half the globe has an occlusion point too") {
     for (const Point3& normal : tile.normals) CHECK(std::isfinite(hmesh_test::size_of_vector(normal)));
 }
 
-TEST_CASE("normals are those of the surface on the globe, to the bytes that hold them") {
-    // A slope of 0.2 to the east and -0.1 to the north, in metres: the samples' steps are those of the latitude.
+TEST_CASE("a level tile of nearly half the globe hides behind a point near to it, on the equator where there is no other") {
     hmesh::QuantizedMeshOptions sides;
-    sides.west = 100, sides.south = -40.2, sides.east = 100.2, sides.north = -40;
-    const double c = std::cos(-40.1 * degree), s = std::sin(-40.1 * degree), e2 = 0.00669437999014;
-    const double across = 6378137 / std::sqrt(1 - e2 * s * s), along = across * (1 - e2) / (1 - e2 * s * s);
-    const double east = across * c * 0.2 / 40 * degree, north = along * 0.2 / 30 * degree;
-    const auto plane = [&](double x, double y) { return 0.2 * x * east + 0.1 * y * north; };
-    for (const Samples kind : {Samples::points, Samples::squares}) {
-        const Terrain land = terrain(40, 30, kind, plane);
-        const Tile by_samples = read_tile(bytes_of(land.mesh, land.samples.view(), sides)),
-                   by_faces = read_tile(bytes_of(land.mesh, {}, sides));
-        REQUIRE(by_samples.normals.size() == by_samples.vertices.size());
-        REQUIRE(by_faces.normals.size() == by_samples.vertices.size());
-        for (std::size_t v = 0; v < by_samples.vertices.size(); ++v) {
-            const double lon = (100 + 0.2 * by_samples.vertices[v][0] / 32767) * degree,
-                         lat = (-40.2 + 0.2 * by_samples.vertices[v][1] / 32767) * degree;
-            const Point3 e = {-std::sin(lon), std::cos(lon), 0},
-                         n = {-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
-                         up = {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
-            Point3 expected{};
-            for (std::size_t k = 0; k < 3; ++k) expected[k] = -0.2 * e[k] + 0.1 * n[k] + up[k];
-            CHECK(hmesh_test::angle_between(by_samples.normals[v], expected) < 0.8);  // 0.7 is what two bytes cost
-            CHECK(hmesh_test::angle_between(by_faces.normals[v], expected) < 0.9);
+    sides.west = -88, sides.east = 88, sides.south = -80, sides.north = 60;  // from any other latitude a corner is too far away
+    const Tile tile = read_tile(bytes_of(terrain(12, 12, Samples::points, [](double, double) { return 0.0; }).mesh, {}, sides));
+    const double reach = hmesh_test::size_of_vector(tile.occlusion);  // radii
+    CHECK(tile.occlusion[0] == doctest::Approx(reach));
+    // The corners in the south are the farthest, by an angle of acos(cos 80 cos 88) on the sphere that the globe becomes.
+    const double south = std::atan(std::tan(80 * degree) * 6356752.314245179 / 6378137);
+    CHECK(reach == doctest::Approx(1 / (std::cos(south) * std::cos(88 * degree))).epsilon(1e-6));
+}
+
+TEST_CASE("normals are those of the surface on the globe, to the bytes that hold them") {
+    // A slope of 0.2 to the east and -0.1 to the north, in metres: the samples' steps are those of the latitude, and longer up
+    // high. On each side of the equator and in each quarter around the axis bytes say otherwise which way is up.
+    struct Land {
+        double west, south, offset;
+    };
+    const double e2 = 0.00669437999014;
+    for (const Land& at : {Land{100, -40.2, 0}, Land{100, -40.2, 1e6}, Land{20, 35, 0}, Land{130, 35, 0}, Land{-130, 35, 0},
+                           Land{-40, 5, 0}, Land{-40, 70, 1e6}, Land{-100, -60, 0}, Land{-30, -75, 0}, Land{60, -20, 0}})
+        for (const Samples kind : {Samples::points, Samples::squares}) {
+            CAPTURE(at.west);
+            CAPTURE(at.south);
+            hmesh::QuantizedMeshOptions sides;
+            sides.west = at.west, sides.south = at.south, sides.east = at.west + 0.2, sides.north = at.south + 0.2;
+            sides.z.offset = at.offset;
+            const double c = std::cos((at.south + 0.1) * degree), s = std::sin((at.south + 0.1) * degree);
+            const double across = 6378137 / std::sqrt(1 - e2 * s * s), along = across * (1 - e2) / (1 - e2 * s * s);
+            const double east = (across + at.offset) * c * 0.2 / 10 * degree, north = (along + at.offset) * 0.2 / 8 * degree;
+            const Terrain land = terrain(10, 8, kind, [&](double x, double y) { return 0.2 * x * east + 0.1 * y * north; });
+            const Tile by_samples = read_tile(bytes_of(land.mesh, land.samples.view(), sides)),
+                       by_faces = read_tile(bytes_of(land.mesh, {}, sides));
+            REQUIRE(by_samples.normals.size() == by_samples.vertices.size());
+            REQUIRE(by_faces.normals.size() == by_samples.vertices.size());
+            double farthest = 0, farthest_by_faces = 0;
+            for (std::size_t v = 0; v < by_samples.vertices.size(); ++v) {
+                const double lon = (at.west + 0.2 * by_samples.vertices[v][0] / 32767) * degree,
+                             lat = (at.south + 0.2 * by_samples.vertices[v][1] / 32767) * degree;
+                const Point3 e = {-std::sin(lon), std::cos(lon), 0},
+                             n = {-std::sin(lat) * std::cos(lon), -std::sin(lat) * std::sin(lon), std::cos(lat)},
+                             up = {std::cos(lat) * std::cos(lon), std::cos(lat) * std::sin(lon), std::sin(lat)};
+                Point3 expected{};
+                for (std::size_t k = 0; k < 3; ++k) expected[k] = -0.2 * e[k] + 0.1 * n[k] + up[k];
+                farthest = std::max(farthest, hmesh_test::angle_between(by_samples.normals[v], expected));
+                farthest_by_faces = std::max(farthest_by_faces, hmesh_test::angle_between(by_faces.normals[v], expected));
+            }
+            CHECK(farthest < 0.8);  // degrees: 0.7 is what two bytes cost
+            CHECK(farthest_by_faces < 0.9);
         }
+    hmesh::QuantizedMeshOptions sides;
+    // All samples of the row at a pole are one: there is no slope to the east, and one to the north as elsewhere.
+    sides.west = 30, sides.east = 60, sides.south = -90, sides.north = -89.9;
+    const double step = 6378137 / std::sqrt(1 - e2) * 0.1 / 8 * degree;  // m, to the north
+    const Terrain cone = terrain(8, 8, Samples::points, [&](double x, double y) { return 30 * x - 0.3 * y * step; });
+    const Tile tip = read_tile(bytes_of(cone.mesh, cone.samples.view(), sides));
+    REQUIRE(tip.sides[1].size() == 9);
+    for (const std::uint32_t v : tip.sides[1]) {
+        const double lon = (30 + 30 * tip.vertices[v][0] / 32767.0) * degree;
+        CHECK(hmesh_test::angle_between(tip.normals[v], {-0.3 * std::cos(lon), -0.3 * std::sin(lon), -1}) < 0.8);
     }
     // At a pole the side is one place: faces with two corners there have no area, and say nothing.
     sides.south = -90, sides.north = -60;
@@ -295,7 +396,7 @@ TEST_CASE("normals are those of the surface on the globe, to the bytes that hold
     }
     hmesh::QuantizedMeshOptions none = sides;
     none.has_normals = false;
-    CHECK(read_tile(bytes_of(terrain(4, 3, Samples::points, plane).mesh, {}, none)).normals.empty());
+    CHECK(read_tile(bytes_of(terrain(4, 3, Samples::points, hills).mesh, {}, none)).normals.empty());
 }
 
 TEST_CASE("indices have 32 bits above 65,536 vertices, at a multiple of 4, and 16 bits below 65,536") {
@@ -394,6 +495,33 @@ TEST_CASE("the rounded mesh is what a reader of the tile has, half a step from t
     }
 }
 
+TEST_CASE("the rounded mesh has other heights and positions, and all else that the mesh has") {
+    hmesh::Mesh mesh = terrain(5, 4, Samples::points, hills).mesh;
+    const std::vector<float> heights = mesh.colors;
+    mesh.channels = 3, mesh.peak = 100;
+    mesh.periodic = hmesh::Periodic::x;
+    mesh.colors.clear();
+    for (const float height : heights) mesh.colors.insert(mesh.colors.end(), {1, height, 3});
+    hmesh::QuantizedMeshOptions sides = alps();
+    sides.z.channel = 1;
+    const hmesh::TileRounding rounding = hmesh::rounded_to_tile(mesh.view(), sides);
+    REQUIRE(rounding.status);
+    CHECK(rounding.mesh.width == mesh.width);
+    CHECK(rounding.mesh.height == mesh.height);
+    CHECK(rounding.mesh.channels == 3);
+    CHECK(rounding.mesh.peak == 100);
+    CHECK(rounding.mesh.premultiplied == mesh.premultiplied);
+    CHECK(rounding.mesh.periodic == mesh.periodic);
+    CHECK(rounding.mesh.samples == mesh.samples);
+    CHECK(rounding.mesh.faces == mesh.faces);
+    REQUIRE(rounding.mesh.colors.size() == mesh.colors.size());
+    for (std::size_t v = 0; v < heights.size(); ++v) {
+        CHECK(rounding.mesh.colors[3 * v] == 1);
+        CHECK(std::abs(rounding.mesh.colors[3 * v + 1] - heights[v]) < 0.05F);
+        CHECK(rounding.mesh.colors[3 * v + 2] == 3);
+    }
+}
+
 TEST_CASE("level land, one cell and a scale of 0 are tiles too") {
     for (const auto& [columns, value] : std::map<int, double>{{1, 5.0}, {3, -20.5}}) {
         const double height = value;
@@ -409,6 +537,64 @@ TEST_CASE("level land, one cell and a scale of 0 are tiles too") {
     }
 }
 
+TEST_CASE("no vertex may be beyond any side of the image, and a Status tells where it is and how far it may go") {
+    const Terrain land = terrain(30, 20, Samples::points, hills);
+    const std::size_t last = land.mesh.vertex_count() - 1;
+    for (const std::size_t v : {std::size_t{0}, std::size_t{1}, last})
+        for (const std::size_t k : {std::size_t{0}, std::size_t{1}})
+            for (const bool is_low : {false, true}) {
+                const float most = k == 0 ? 30 : 20, place = is_low ? -0.25F : most + 0.25F;
+                hmesh::Mesh mesh = land.mesh;
+                mesh.positions[2 * v + k] = place;
+                const hmesh::TileRounding rounding = hmesh::rounded_to_tile(mesh.view(), alps());
+                CHECK(rounding.status.code == hmesh::Errc::invalid_argument);
+                CHECK(rounding.status.value == static_cast<double>(place));
+                CHECK(rounding.status.limit == (is_low ? 0 : static_cast<double>(most)));
+                CHECK(rounding.mesh.vertex_count() == 0);
+                CHECK(rounding.mesh.faces.empty());
+            }
+}
+
+TEST_CASE("heights may be those of the range and no others, and a Status tells the height and the end that it is beyond") {
+    const hmesh::Mesh mesh = terrain(1, 1, Samples::points, [](double x, double y) { return 10 * x + 20 * y; }).mesh;  // 0 to 30
+    hmesh::QuantizedMeshOptions sides = alps();
+    sides.low = 0, sides.high = 30;
+    CHECK(hmesh::rounded_to_tile(mesh.view(), sides).status);
+    sides.low = 1;
+    const hmesh::Status low = hmesh::rounded_to_tile(mesh.view(), sides).status;
+    CHECK(low.code == hmesh::Errc::invalid_argument);
+    CHECK(low.value == 0);
+    CHECK(low.limit == 1);
+    sides.low = -1, sides.high = 29;
+    const hmesh::Status high = hmesh::rounded_to_tile(mesh.view(), sides).status;
+    CHECK(high.code == hmesh::Errc::invalid_argument);
+    CHECK(high.value == 30);
+    CHECK(high.limit == 29);
+}
+
+TEST_CASE("sides are degrees of the globe to its ends, at most half of it from west to east") {
+    const hmesh::Mesh mesh = terrain(1, 1, Samples::points, [](double, double) { return 0.0; }).mesh;
+    struct Sides {
+        double west, south, east, north;
+        bool is_good;
+    };
+    for (const Sides& of : {Sides{-180, -90, 0, 90, true}, Sides{-180.001, -90, -1, 90, false}, Sides{180, -90, 360, 90, true},
+                            Sides{180.001, -90, 300, 90, false}, Sides{-180, -90, 0.001, 90, false},
+                            Sides{-180, -90.001, 0, 90, false}, Sides{-180, -90, 0, 90.001, false},
+                            Sides{-180, 90, 0, 90.001, false}, Sides{5, 7, 5, 8, false}, Sides{5, 7, 6, 7, false}}) {
+        hmesh::QuantizedMeshOptions tile;
+        tile.west = of.west, tile.south = of.south, tile.east = of.east, tile.north = of.north;
+        CAPTURE(of.west);
+        CAPTURE(of.east);
+        CHECK(static_cast<bool>(hmesh::rounded_to_tile(mesh.view(), tile).status) == of.is_good);
+    }
+    hmesh::MeshView many = mesh.view();
+    many.face_count = std::size_t{1} << 31U;  // of which none is read
+    CHECK(hmesh::rounded_to_tile(many, alps()).status.value == 2147483648.0);
+    many = mesh.view(), many.vertex_count = std::size_t{1} << 31U;
+    CHECK(hmesh::rounded_to_tile(many, alps()).status.value == 2147483648.0);
+}
+
 TEST_CASE("what no tile holds gives a Status and no byte, and a sink that refuses is reported") {
     const Terrain land = terrain(30, 30, Samples::points, hills);
     const auto write_alps = [](const hmesh::MeshView& mesh, hmesh::Sink sink) {
@@ -422,10 +608,6 @@ TEST_CASE("what no tile holds gives a Status and no byte, and a sink that refuse
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::not_finite, write_alps);
     mesh = land.mesh, mesh.colors[5] = -7e6F;
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
-    for (const float place : {-0.25F, 30.25F}) {
-        mesh = land.mesh, mesh.positions[7] = place;
-        hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
-    }
     mesh = land.mesh, mesh.positions.clear(), mesh.colors.clear(), mesh.faces.clear();
     hmesh_test::check_refused(mesh.view(), hmesh::Errc::invalid_argument, write_alps);
     const auto refuses = [&](const hmesh::QuantizedMeshOptions& tile) {
