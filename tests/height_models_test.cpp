@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -142,6 +143,34 @@ TEST_CASE("an image of the raster's extent has its pixels on the samples, one of
     CHECK(first_and_last(hmesh::Samples::squares, hmesh::Drape::raster) == whole);
     CHECK(first_and_last(hmesh::Samples::squares, hmesh::Drape::mesh) == whole);
     CHECK(places(hmesh::Samples::points, hmesh::Drape::none).empty());
+    // Each axis has its own size, between the ends too.
+    const std::vector<std::array<double, 2>> of_mesh = places(hmesh::Samples::points, hmesh::Drape::mesh),
+                                             of_raster = places(hmesh::Samples::points, hmesh::Drape::raster);
+    const hmesh::Mesh mesh = terrain(4, 2, hmesh::Samples::points, hills).mesh;
+    REQUIRE(of_mesh.size() == mesh.vertex_count());
+    REQUIRE(of_raster.size() == mesh.vertex_count());
+    for (std::size_t v = 0; v < mesh.vertex_count(); ++v) {
+        const double x = static_cast<double>(mesh.positions[2 * v]), y = static_cast<double>(mesh.positions[2 * v + 1]);
+        CHECK(of_mesh[v][0] == doctest::Approx(x / 4));
+        CHECK(of_mesh[v][1] == doctest::Approx(y / 2));
+        CHECK(of_raster[v][0] == doctest::Approx((x + 0.5) / 5));
+        CHECK(of_raster[v][1] == doctest::Approx((y + 0.5) / 3));
+    }
+}
+
+TEST_CASE("heights of any channel make the same models as those of a mesh that has no other") {
+    const Terrain land = terrain(5, 4, hmesh::Samples::points, hills);
+    hmesh::HeightOptions options = units();
+    for (const int channel : {0, 1, 2}) {
+        hmesh::Mesh mesh = land.mesh;
+        mesh.channels = 3;
+        mesh.colors.clear();
+        for (std::size_t v = 0; v < land.mesh.vertex_count(); ++v)
+            for (int k = 0; k < 3; ++k) mesh.colors.push_back(k == channel ? land.mesh.colors[v] : static_cast<float>(v));
+        options.z.channel = channel;
+        CHECK(ply(mesh.view(), {}, options) == ply(land.mesh.view(), {}, units()));
+        CHECK(glb(mesh.view(), {}, options) == glb(land.mesh.view(), {}, units()));
+    }
 }
 
 TEST_CASE("normals and texture coordinates can be left out, and what is left can be read") {
@@ -215,6 +244,89 @@ TEST_CASE("a skirt is a second primitive of a .glb, and leaves the first and oth
         std::vector<unsigned char> none;
         CHECK(!hmesh::write_height_glb(land.mesh.view(), {}, hmesh::kit::append_to(none), options));
         CHECK(none.empty());
+    }
+}
+
+TEST_CASE("walls of a skirt hang from the edges of all sides, face outward, and are shaded as what they hang from") {
+    const auto is_gap = [](int column, int row) { return column == 3 && row == 0; };  // one wall less than vertices in the sides
+    const Terrain land = terrain(6, 3, hmesh::Samples::points, hills, is_gap);
+    hmesh::HeightOptions options = units();
+    options.skirt = 0.5;
+    const Bytes bytes = glb(land.mesh.view(), land.samples.view(), options);
+    const Model above = hmesh_test::read_height_glb(glb(land.mesh.view(), land.samples.view(), units()));
+    // Behind the arrays of the first primitive: positions, normals, places and indices of 16 bits.
+    Model walls;
+    std::size_t at = 28 + hmesh_test::json_of(bytes).size() + above.positions.size() * 32 + above.faces.size() * 6;
+    const std::size_t count = 2 * 18;
+    for (std::size_t v = 0; v < count; ++v) walls.positions.push_back(hmesh_test::floats_in<3>(bytes, at));
+    for (std::size_t v = 0; v < count; ++v) walls.normals.push_back(hmesh_test::floats_in<3>(bytes, at));
+    for (std::size_t v = 0; v < count; ++v) walls.places.push_back(hmesh_test::floats_in<2>(bytes, at));
+    while (at < bytes.size()) {
+        hmesh::Triangle face{};
+        for (std::uint32_t& v : face) v = hmesh_test::number_in<std::uint16_t>(bytes, at);
+        walls.faces.push_back(face);
+    }
+    REQUIRE(walls.faces.size() == count - 2);
+    // Each vertex is one of the surface or 0.5 below one, with all else that it has.
+    std::vector<std::array<std::size_t, 2>> from;  // which one, and 1 if below
+    for (std::size_t w = 0; w < count; ++w) {
+        const Point3& p = walls.positions[w];
+        for (std::size_t v = 0; v < above.positions.size(); ++v) {
+            const Point3& q = above.positions[v];
+            if (p[0] != q[0] || p[2] != q[2]) continue;
+            const bool is_below = p[1] != q[1];
+            if (is_below) CHECK(p[1] == doctest::Approx(q[1] - 0.5));
+            CHECK(walls.normals[w] == above.normals[v]);
+            CHECK(walls.places[w] == above.places[v]);
+            from.push_back({v, is_below ? 1U : 0U});
+        }
+    }
+    REQUIRE(from.size() == count);
+    std::vector<std::array<std::size_t, 2>> sorted = from;
+    std::sort(sorted.begin(), sorted.end());
+    CHECK(std::unique(sorted.begin(), sorted.end()) == sorted.end());
+    // All faces upright and outward, as large as the walls are, and joined: a ring that begins and ends at the gap.
+    double area = 0;
+    std::set<std::array<std::uint32_t, 2>> edges;
+    for (const hmesh::Triangle& face : walls.faces) {
+        const Point3 a = walls.positions[face[0]], b = walls.positions[face[1]], c = walls.positions[face[2]];
+        const Point3 normal = hmesh_test::cross_product(hmesh_test::minus(b, a), hmesh_test::minus(c, a));
+        const Point3 out = {a[0] + b[0] + c[0] - 3 * 1090, 0, a[2] + b[2] + c[2] - 3 * 530};  // from the middle of the mesh
+        CHECK(std::abs(normal[1]) < 1e-3);
+        CHECK(hmesh_test::inner(normal, out) > 0);
+        area += hmesh_test::size_of_vector(normal) / 2;
+        for (std::size_t k = 0; k < 3; ++k) CHECK(edges.insert({face[k], face[(k + 1) % 3]}).second);
+    }
+    CHECK(area == doctest::Approx(0.5 * (11 * 30 + 6 * 20)).epsilon(1e-4));
+    int open = 0;
+    for (const auto& [a, b] : edges)
+        if (from[a][1] != from[b][1] && edges.count({b, a}) == 0) ++open;
+    CHECK(open == 2);
+}
+
+TEST_CASE("a .glb is a scene of one mesh, of one primitive where there is no skirt, or no side that it could hang from") {
+    const auto all = terrain(6, 4, hmesh::Samples::points, hills),
+               inner = terrain(6, 4, hmesh::Samples::points, hills,
+                               [](int column, int row) { return column == 0 || row == 0 || column == 5 || row == 3; });
+    const auto primitives = [](const Terrain& land, double skirt) {
+        hmesh::HeightOptions options;
+        options.skirt = skirt;
+        const std::string json = hmesh_test::json_of(glb(land.mesh.view(), {}, options));
+        CHECK(json.find("\"nodes\":[0]") != std::string::npos);  // of the scene
+        CHECK(json.find("\"mesh\":0") != std::string::npos);
+        int count = 0;
+        for (std::size_t at = json.find("\"POSITION\""); at != std::string::npos; at = json.find("\"POSITION\"", at + 1)) ++count;
+        return count;
+    };
+    CHECK(primitives(all, 0) == 1);
+    CHECK(primitives(all, 3) == 2);
+    CHECK(primitives(inner, 3) == 1);
+}
+
+TEST_CASE("bounds of a .glb are those of all vertices, the first and the last among them") {
+    for (const double sign : {-1.0, 1.0}) {
+        const Terrain land = terrain(4, 3, hmesh::Samples::points, [&](double x, double y) { return sign * (x + y); });
+        CHECK(hmesh_test::read_height_glb(glb(land.mesh.view(), {})).positions.size() == 20);  // which compares them
     }
 }
 
@@ -341,4 +453,17 @@ TEST_CASE("meshes, samples and options that no model holds give a Status and no 
     };
     hmesh_test::check_refused(two.view(), hmesh::Errc::invalid_argument, write);
     CHECK(!ply(land.mesh.view(), enough.view()).empty());
+    // More than a file of less than 4 GiB holds, of which none is read.
+    constexpr std::size_t most = 2147483647 / 48;
+    for (const bool are_faces : {false, true}) {
+        hmesh::MeshView many = land.mesh.view();
+        (are_faces ? many.face_count : many.vertex_count) = most + 1;
+        for (const hmesh_test::Write writer : {hmesh_test::Write(to_ply), hmesh_test::Write(to_obj), hmesh_test::Write(to_glb)}) {
+            std::vector<unsigned char> none;
+            const hmesh::Status status = writer(many, hmesh::kit::append_to(none));
+            CHECK(status.value == static_cast<double>(most + 1));
+            CHECK(status.limit == static_cast<double>(most));
+            CHECK(none.empty());
+        }
+    }
 }

@@ -193,6 +193,21 @@ TEST_CASE("tiles that are given a sample more on each side, or the whole map, ha
     }
 }
 
+TEST_CASE("a mask has its columns and rows where the samples have theirs") {
+    // A wall of NaN and a mask of it, of a map with fewer rows than columns.
+    const Terrain land = terrain(7, 4, Samples::points, [](double x, double y) { return 2 * x * x + y; });
+    hmesh::Image<float, 1> holed(8, 5);
+    hmesh::Image<std::uint8_t, 1> mask(8, 5);
+    for (int y = 0; y < 5; ++y)
+        for (int x = 0; x < 8; ++x) {
+            const bool is_known = x != 5 && !(x == 1 && y == 3);
+            *mask.pixel(x, y) = is_known ? 255 : 0;
+            *holed.pixel(x, y) = is_known ? *land.samples.pixel(x, y) : std::numeric_limits<float>::quiet_NaN();
+        }
+    CHECK(normals(land.mesh, {land.samples.view(), mask.view()}) == normals(land.mesh, holed.view()));
+    CHECK(normals(land.mesh, holed.view()) != normals(land.mesh, land.samples.view()));
+}
+
 TEST_CASE("samples of any type and any channel are read as stored") {
     const Terrain land = terrain(5, 4, Samples::points, [](double x, double y) { return 3 * x + y * y; });
     hmesh::Image<std::uint16_t, 3> colors(6, 5);
