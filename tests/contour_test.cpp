@@ -2,9 +2,11 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -91,6 +93,57 @@ TEST_CASE("what grown pixels cover is what is inside, whatever mask and margin; 
         CHECK(wrong == 0);
         if (round % 8 == 1 || round % 8 == 3) CHECK(filled <= 8 * 64);
     }
+}
+
+TEST_CASE("without holes what is left is the outer borders that no other is around, and what is inside of these is all covered") {
+    hmesh::kit::Random random(5);
+    int nested = 0, left = 0;
+    for (int round = 0; round < 120; ++round) {
+        const int width = 1 + static_cast<int>(random.below(14)), height = 1 + static_cast<int>(random.below(14));
+        const auto image = hmesh_test::some_silhouette(round, width, height, random);
+        Mask mask{width, height, {}};
+        for (int y = 0; y < height; ++y)
+            for (int x = 0; x < width; ++x) {  // or rings around rings, with gaps or without
+                const bool is_ring = std::max(std::abs(2 * x - width), std::abs(2 * y - height)) / 2 % 2 == 0;
+                const bool is_gap = round % 3 == 1 && random.below(30) == 0;
+                mask.pixels.push_back((round % 3 == 2 ? image.pixel(x, y)[1] > 0 : is_ring != is_gap) ? 1 : 0);
+            }
+        const int margin = static_cast<int>(random.below(2)) * 77;
+        CAPTURE(round);
+        const Contours all = contours_of(mask, margin, true), filled = contours_of(mask, margin, false);
+        // Twice as large, so that the middle of a unit is a whole number: that below and to the right of the first corner is
+        // inside of an outer border.
+        std::vector<Loop> expected;
+        std::vector<hmesh_test::UnitLoops> doubled;
+        for (const Loop& loop : all.loops) {
+            doubled.emplace_back(1);
+            for (const GridPoint p : loop) doubled.back()[0].push_back({2 * p.x, 2 * p.y});
+        }
+        double area = 0, length = 0;
+        for (std::size_t i = 0; i < all.loops.size(); ++i) {
+            if (hmesh::kit::double_area(all.loops[i]) < 0) continue;
+            bool is_nested = false;
+            for (std::size_t j = 0; j < all.loops.size(); ++j)
+                is_nested =
+                    is_nested || (j != i && hmesh::kit::double_area(all.loops[j]) > 0 &&
+                                  hmesh_test::is_within(doubled[j], {2 * all.loops[i][0].x + 1, 2 * all.loops[i][0].y + 1}));
+            nested += is_nested ? 1 : 0;
+            if (is_nested) continue;
+            const Loop& loop = all.loops[i];
+            expected.push_back(loop);
+            area += static_cast<double>(hmesh::kit::double_area(loop)) / (2 * 65536);
+            for (std::size_t k = 0; k < loop.size(); ++k) {
+                const GridPoint a = loop[k], b = loop[k + 1 < loop.size() ? k + 1 : 0];
+                length += (std::abs(b.x - a.x) + std::abs(b.y - a.y)) / 256.0;
+            }
+        }
+        CHECK(filled.loops == expected);
+        CHECK(filled.area == doctest::Approx(area));
+        CHECK(filled.length == doctest::Approx(length * std::acos(-1.0) / 4));
+        left += static_cast<int>(all.loops.size() - expected.size());
+    }
+    CHECK(nested > 5);
+    CHECK(left > 50);
 }
 
 TEST_CASE("a point is inside of a polygon as counting sides to its right says") {
