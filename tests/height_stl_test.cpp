@@ -173,6 +173,46 @@ TEST_CASE("where holes touch in a vertex each side gets a vertex of its own, a 6
         0));
 }
 
+TEST_CASE("where thin faces touch in a vertex, it is moved by no more than leaves them as they were turned") {
+    // Two faces above one another that meet in the middle, which is `height` away from the side across; of a 64th of a sample as
+    // of others they would turn over.
+    for (const float height : {0.5F, 0.03125F, 0.0078125F, 0.0009765625F})
+        for (const bool is_upright : {false, true}) {
+            CAPTURE(height);
+            hmesh::Mesh mesh;
+            mesh.channels = 1, mesh.peak = 1, mesh.width = 4, mesh.height = 4;
+            mesh.positions = {2, 2, 1, 2 - height, 3, 2 - height, 3, 2 + height, 1, 2 + height};
+            if (is_upright)
+                for (std::size_t v = 0; v < 5; ++v) std::swap(mesh.positions[2 * v], mesh.positions[2 * v + 1]);
+            mesh.colors.assign(5, 7.0F);
+            mesh.faces = {{0, 1, 2}, {0, 3, 4}};
+            if (is_upright)
+                for (hmesh::Triangle& face : mesh.faces) std::swap(face[1], face[2]);
+            const std::vector<Facet> facets = solid(mesh, 0);
+            check_watertight(facets);
+            int above = 0;
+            for (const Facet& facet : facets) {
+                const double up = doubled_area(facet)[2];
+                const bool is_above =
+                               std::all_of(facet.corners.begin(), facet.corners.end(), [](const auto&p) { return p[2] == 7; }),
+                           is_below =
+                               std::all_of(facet.corners.begin(), facet.corners.end(), [](const auto&p) { return p[2] == 0; });
+                // Twice the area was 2 * height. At most a quarter of the way is gone, and a 64th at most.
+                const double least = static_cast<double>(height) * 2 - 2 * std::min(static_cast<double>(height) / 4, 1.0 / 64);
+                if (is_above) CHECK(up >= least * 0.999);
+                if (is_below) CHECK(up <= -least * 0.999);
+                above += is_above ? 1 : 0;
+                // Straight into the face, whose sides are alike.
+                for (const Point3& corner : facet.corners)
+                    if (std::hypot(corner[0] - 2, corner[1] + 2) < 0.02)
+                        CHECK(std::abs(is_upright ? corner[1] + 2 : corner[0] - 2) < 1e-6);
+            }
+            CHECK(above == 2);
+            CHECK(volume(facets) > 7 * 1.4 * static_cast<double>(height));
+            CHECK(volume(facets) < 7 * 2 * static_cast<double>(height));  // they are apart
+        }
+}
+
 TEST_CASE("solids of random holes are watertight") {
     hmesh::kit::Random random(7);
     for (int i = 0; i < 40; ++i) {
