@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "test_outlines.hpp"
 
@@ -31,6 +32,79 @@ TEST_CASE("islands in a bay and holes go where that is cheapest") {
     CHECK(hole.loops().size() == 3);
     hmesh::kit::remove_corners(hole, 16);
     CHECK(hole.loops().size() == 1);
+}
+
+TEST_CASE("the cheapest goes first: of notches the shallowest, of cut corners the shortest, of holes the least") {
+    using hmesh::kit::Loop;
+    constexpr std::int32_t px = 256;
+    constexpr std::int64_t px2 = 2 * 65536;  // as areas are told
+    // Sides that are cut off a square, of 3, 1, 4 and 2 px along both axes: each goes by lengthening its neighbours.
+    const Loop cut = {{13 * px, 10 * px}, {49 * px, 10 * px}, {50 * px, 11 * px}, {50 * px, 46 * px},
+                      {46 * px, 50 * px}, {12 * px, 50 * px}, {10 * px, 48 * px}, {10 * px, 13 * px}};
+    Polygons square({cut}, 60, 60);
+    std::int64_t area = 1600 * px2 - (9 + 1 + 16 + 4) * px2 / 2;
+    CHECK(square.double_area() == area);
+    for (const std::int64_t side : {1, 2, 3, 4}) {
+        hmesh::kit::remove_corners(square, square.corners() - 1);
+        area += side * side * px2 / 2;
+        CHECK(square.double_area() == area);
+    }
+    const std::vector<Loop> whole = square.loops();
+    REQUIRE(whole.size() == 1);
+    CHECK(whole[0].size() == 4);
+    for (const hmesh::kit::GridPoint p : whole[0]) {
+        CHECK((p.x == 10 * px || p.x == 50 * px));
+        CHECK((p.y == 10 * px || p.y == 50 * px));
+    }
+    // Notches in its upper side, 6 px wide and 2, 3 and 1 px deep. Once one has gone, its ends cost nothing.
+    const Loop notched = {{10 * px, 10 * px}, {20 * px, 10 * px}, {23 * px, 12 * px}, {26 * px, 10 * px}, {46 * px, 10 * px},
+                          {49 * px, 13 * px}, {52 * px, 10 * px}, {72 * px, 10 * px}, {75 * px, 11 * px}, {78 * px, 10 * px},
+                          {90 * px, 10 * px}, {90 * px, 90 * px}, {10 * px, 90 * px}};
+    Polygons comb({notched}, 100, 100);
+    area = 6400 * px2 - (2 + 3 + 1) * 3 * px2;
+    CHECK(comb.double_area() == area);
+    for (const std::int64_t depth : {1, 2, 3}) {
+        hmesh::kit::remove_corners(comb, comb.corners() - 1);
+        area += depth * 3 * px2;
+        CHECK(comb.double_area() == area);
+        hmesh::kit::remove_corners(comb, comb.corners() - 2);
+        CHECK(comb.double_area() == area);
+    }
+    CHECK(comb.corners() == 4);
+    // All at once it is the same: what a removal changes around it is offered anew, such as the ends of a notch that has gone.
+    for (const Loop& loop : {cut, notched}) {
+        Polygons one_by_one({loop}, 100, 100);
+        for (std::size_t n = loop.size(); n-- > 4;) {
+            hmesh::kit::remove_corners(one_by_one, n);
+            Polygons at_once({loop}, 100, 100);
+            hmesh::kit::remove_corners(at_once, n);
+            CHECK(at_once.corners() == n);
+            CHECK(at_once.double_area() == one_by_one.double_area());
+        }
+    }
+    // Square holes: a fourth of the area for each corner, where a corner alone would cost half of it.
+    const auto hole = [](std::int32_t x, std::int32_t y, std::int32_t size) {
+        return Loop{{x * px, y * px}, {x * px, (y + size) * px}, {(x + size) * px, (y + size) * px}, {(x + size) * px, y * px}};
+    };
+    Polygons sieve({{{0, 0}, {60 * px, 0}, {60 * px, 60 * px}, {0, 60 * px}}, hole(10, 10, 4), hole(30, 12, 8), hole(20, 40, 2)},
+                   60, 60);
+    area = (3600 - 16 - 64 - 4) * px2;
+    CHECK(sieve.double_area() == area);
+    for (const std::int64_t size : {2, 4, 8}) {
+        const std::size_t before = sieve.corners();
+        hmesh::kit::remove_corners(sieve, before - 1);
+        CHECK(sieve.corners() == before - 4);
+        area += size * size * px2;
+        CHECK(sieve.double_area() == area);
+    }
+    // Of a hole with a corner cut off, one end of the cut goes: 9.5 px^2 for a corner, where all of it would be 80 for each.
+    Polygons frame({{{0, 0}, {60 * px, 0}, {60 * px, 60 * px}, {0, 60 * px}},
+                    {{10 * px, 11 * px}, {10 * px, 30 * px}, {30 * px, 30 * px}, {30 * px, 10 * px}, {11 * px, 10 * px}}},
+                   60, 60);
+    area = frame.double_area();
+    hmesh::kit::remove_corners(frame, 8);
+    CHECK(frame.corners() == 8);
+    CHECK(frame.double_area() == area + px2 * 19 / 2);
 }
 
 TEST_CASE("corners that are removed leave all inside and no two sides that meet, and each time there is more area") {
