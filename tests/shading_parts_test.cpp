@@ -3,8 +3,11 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <map>
 #include <vector>
 
 #include "test_shadings.hpp"
@@ -86,6 +89,70 @@ TEST_CASE("parts hold each face once, and none is stored so small that it would 
     CHECK(all == expected);
 }
 
+TEST_CASE("faces have the largest factors that they may, or smaller ones that spare cuts between neighbours") {
+    const hmesh::Mesh mesh = hmesh_test::random_grid(1, 75, 60, 30, 30, 255, 1);
+    std::map<hmesh::Triangle, int> alone, chosen;  // factors: as if there were no neighbours, and what they are
+    std::map<std::array<std::uint32_t, 2>, std::vector<hmesh::Triangle>> sides;
+    for (hmesh::Triangle face : mesh.faces) {
+        std::sort(face.begin(), face.end());
+        int& factor = alone[face];
+        for (factor = 16; factor > 1 && shading_pieces(range(mesh, face), factor) < 8 * area(mesh, face);) factor /= 2;
+        for (const auto& side : {std::array<std::uint32_t, 2>{face[0], face[1]}, {face[0], face[2]}, {face[1], face[2]}})
+            sides[side].push_back(face);
+    }
+    for (const ShadingPart& part : parts_of(mesh))
+        for (const hmesh::Triangle& face : faces_of(part)) chosen[face] = part.factor;
+    REQUIRE(chosen.size() == alone.size());
+    int smaller = 0, larger = 0;
+    for (const auto& [face, factor] : chosen) {
+        larger += factor > alone.at(face) ? 1 : 0;
+        smaller += factor < alone.at(face) ? 1 : 0;
+    }
+    // In pieces, of which a cut costs 800.
+    const auto pieces = [&](const std::map<hmesh::Triangle, int>& factors) {
+        double sum = 0;
+        for (const auto& [face, factor] : factors) sum += shading_pieces(range(mesh, face), factor);
+        return sum;
+    };
+    const auto cuts = [&](const std::map<hmesh::Triangle, int>& factors) {
+        int sum = 0;
+        for (const auto& [side, both] : sides) sum += both.size() == 2 && factors.at(both[0]) != factors.at(both[1]) ? 1 : 0;
+        return sum;
+    };
+    INFO(pieces(chosen), " pieces for ", pieces(alone), ", ", cuts(chosen), " cuts for ", cuts(alone), ", ", smaller, " smaller");
+    CHECK(smaller > 0);
+    CHECK(larger == 0);
+    CHECK(cuts(chosen) < 0.7 * cuts(alone));
+    CHECK(pieces(chosen) + 800 * cuts(chosen) < pieces(alone) + 800 * cuts(alone));
+    // Nor does any face but a few gain by another choice: all have chosen some times over.
+    int unhappy = 0;
+    for (const auto& [face, factor] : chosen) {
+        const auto cost = [&, face = face](int of) {
+            double sum = shading_pieces(range(mesh, face), of);
+            for (const auto& side : {std::array<std::uint32_t, 2>{face[0], face[1]}, {face[0], face[2]}, {face[1], face[2]}})
+                for (const hmesh::Triangle& other : sides.at(side)) sum += other != face && chosen.at(other) != of ? 800 : 0;
+            return sum;
+        };
+        for (int other = 1; other <= alone.at(face); other *= 2)
+            if (cost(other) < cost(factor)) {
+                ++unhappy;
+                break;
+            }
+    }
+    CHECK(unhappy <= 18);  // 1 %
+}
+
+TEST_CASE("faces are as steep as the component that differs most") {
+    hmesh::Mesh mesh = hmesh_test::random_grid(3, 60, 60, 30, 30, 255, 2);
+    for (std::size_t steep = 0; steep < 3; ++steep) {
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            for (std::size_t k = 0; k < 3; ++k) mesh.colors[3 * v + k] = k == steep && v / 31 % 2 == 0 ? 255 : 40;
+        CHECK(parts_of(mesh).front().factor > 1);
+    }
+    for (float& color : mesh.colors) color = 40;
+    CHECK(parts_of(mesh).front().factor == 1);
+}
+
 TEST_CASE("two million pieces are one part, more are several") {
     // 4,096 pieces a face that has both black and white, which all have.
     const auto steep = [](int rows) {
@@ -101,5 +168,6 @@ TEST_CASE("two million pieces are one part, more are several") {
 TEST_CASE("colours beyond full intensity count as what is drawn") {
     hmesh::Mesh mesh = hmesh_test::random_grid(1, 60, 60, 30, 30, 255, 3);
     for (std::size_t v = 0; v < mesh.vertex_count(); ++v) mesh.colors[v] = v % 2 == 0 ? 300 : 60000;
-    CHECK(parts_of(mesh).size() == 1);
+    REQUIRE(parts_of(mesh).size() == 1);
+    CHECK(parts_of(mesh).front().factor == 1);
 }
