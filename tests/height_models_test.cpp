@@ -267,6 +267,9 @@ TEST_CASE("walls of a skirt hang from the edges of all sides, face outward, and 
         walls.faces.push_back(face);
     }
     REQUIRE(walls.faces.size() == count - 2);
+    for (const std::size_t array : {4U, 5U, 6U, 7U})  // as the file tells it
+        CHECK(hmesh_test::numbers_of(hmesh_test::json_of(bytes), "count", array, 1)[0] ==
+              static_cast<double>(array < 7 ? count : 3 * (count - 2)));
     // Each vertex is one of the surface or 0.5 below one, with all else that it has.
     std::vector<std::array<std::size_t, 2>> from;  // which one, and 1 if below
     for (std::size_t w = 0; w < count; ++w) {
@@ -321,6 +324,36 @@ TEST_CASE("a .glb is a scene of one mesh, of one primitive where there is no ski
     CHECK(primitives(all, 0) == 1);
     CHECK(primitives(all, 3) == 2);
     CHECK(primitives(inner, 3) == 1);
+}
+
+TEST_CASE("vertices of no face, or of none with an area, have normals that point up") {
+    hmesh::Mesh mesh = terrain(2, 2, hmesh::Samples::points, hills).mesh;
+    mesh.faces = {{0, 1, 3}, {2, 2, 5}};  // the third vertex is a corner twice, and four are named by none
+    const Model model = hmesh_test::read_height_ply(ply(mesh.view(), {}));
+    REQUIRE(model.normals.size() == 9);
+    for (const std::size_t v : {2U, 4U, 5U, 6U, 7U, 8U}) CHECK(model.normals[v] == Point3{0, 0, 1});
+    CHECK(model.normals[0] != Point3{0, 0, 1});
+    CHECK(hmesh_test::size_of_vector(model.normals[0]) == doctest::Approx(1));
+}
+
+TEST_CASE("samples that do not suit a mesh are refused with what is asked for and what there is") {
+    const hmesh::Mesh mesh = terrain(4, 2, hmesh::Samples::points, hills).mesh;  // 5 x 3 samples
+    const hmesh::Image<float, 2> image(8, 6);
+    const auto status = [&](int column, int row, int channel) {
+        return hmesh::HeightSamples(image.view(), {}, column, row).check_for(mesh.view(), channel);
+    };
+    const auto says = [](const hmesh::Status& said, double value, double limit) {
+        CHECK(said.code == hmesh::Errc::invalid_argument);
+        CHECK(said.value == value);
+        CHECK(said.limit == limit);
+    };
+    CHECK(status(0, 0, 1));
+    CHECK(status(3, 3, 0));
+    says(status(0, 0, 2), 2, 1);
+    says(status(-2, 1, 0), -2, 0);
+    says(status(1, -3, 0), -3, 0);
+    says(status(4, 3, 0), 5, 4);
+    says(status(3, 4, 0), 3, 2);
 }
 
 TEST_CASE("bounds of a .glb are those of all vertices, the first and the last among them") {

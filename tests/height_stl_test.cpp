@@ -119,6 +119,31 @@ TEST_CASE("a surface has the faces of the mesh, facing up, each with its normal"
     for (const Facet& facet : surface(land.mesh, options)) CHECK(facet.normal[1] > 0);
 }
 
+TEST_CASE("a face without an area has the normal 0, and more faces than a file numbers are refused") {
+    hmesh::Mesh mesh = terrain(2, 2, hmesh::Samples::points, hills).mesh;
+    mesh.faces.push_back({0, 1, 1});
+    mesh.faces.push_back({0, 1, 2});  // in line
+    mesh.positions[4] = 2, mesh.positions[5] = 0, mesh.colors[0] = mesh.colors[1] = mesh.colors[2] = 5;
+    const std::vector<Facet> facets = surface(mesh);
+    int flat = 0;
+    for (const Facet& facet : facets) {
+        if (hmesh_test::size_of_vector(doubled_area(facet)) == 0) {
+            CHECK(facet.normal == Point3{0, 0, 0});
+            ++flat;
+        } else CHECK(hmesh_test::size_of_vector(facet.normal) == doctest::Approx(1));
+    }
+    CHECK(flat >= 2);
+    hmesh::MeshView many = mesh.view();
+    std::vector<unsigned char> none;
+    many.face_count = std::size_t{1} << 32U;  // of which none is read
+    CHECK(hmesh::write_height_stl(many, hmesh::kit::append_to(none)).limit == 4294967295.0);
+    many.face_count = std::size_t{1} << 29U;
+    CHECK(hmesh::write_solid_stl(many, 0, hmesh::kit::append_to(none)).limit == 536870911.0);
+    many = mesh.view(), many.vertex_count = std::size_t{1} << 31U;
+    CHECK(hmesh::write_height_stl(many, hmesh::kit::append_to(none)).limit == 2147483647.0);
+    CHECK(none.empty());
+}
+
 TEST_CASE("a solid is watertight, stands on its base and has the volume between") {
     for (const hmesh::Samples kind : {hmesh::Samples::points, hmesh::Samples::squares}) {
         const Terrain land = terrain(9, 6, kind, hills);

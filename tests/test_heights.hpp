@@ -107,6 +107,7 @@ inline Model read_height_ply(const Bytes& bytes) {
     at += end.size();
     const std::string head = text.substr(0, at);
     REQUIRE(head.rfind("ply\nformat binary_little_endian 1.0\n", 0) == 0);
+    REQUIRE(head.find("\nproperty float x\nproperty float y\nproperty float z\n") != std::string::npos);
     const auto count = [&](const std::string& word) {
         const std::size_t place = head.find("\nelement " + word + " ");
         REQUIRE(place != std::string::npos);
