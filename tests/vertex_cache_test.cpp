@@ -82,7 +82,10 @@ TEST_CASE("misses are those of a queue of so many vertices") {
             CHECK(hmesh::kit::vertex_cache_use(indices.data(), indices.size(), 1, 30, entries).misses ==
                   misses_of_queue(indices, entries));
     }
-    CHECK(hmesh::kit::vertex_cache_use(nullptr, 0, 0, 0).misses == 0);
+    const auto nothing = hmesh::kit::vertex_cache_use(nullptr, 0, 0, 0);
+    CHECK(nothing.misses == 0);
+    CHECK(nothing.acmr == 0);
+    CHECK(nothing.atvr == 0);
 }
 
 TEST_CASE("what the front counts is what is there: faces left and vertices cached, in any mesh") {
