@@ -217,13 +217,21 @@ def test_status_tells_what_is_done_ready_missing_and_damaged(terrain):
     assert status()[0] == 0 and status("--ready") == (0, "")
     whole = sums()
     Path("job/tiles/0/0002_0001.glb").write_bytes(read("job/tiles/0/0002_0001.glb")[:-1])
-    Path("job/done/tile_0_0000_0000.json").write_bytes(b"{}")
+    broken = {name: Path(f"job/done/{name}.json") for name in first[:4]}
+    for path, content in zip(broken.values(), [b"{}", b"[]", b'{"check": 7}']):
+        path.write_bytes(content)
+    broken[first[3]].unlink()
+    broken[first[3]].mkdir()
     code, text = status()
-    assert code == 1 and "tiles: 10 of 12 tasks done, 2 damaged" in text
-    assert "'job/tiles/0/0002_0001.glb' is damaged: it has" in text and "'job/done/tile_0_0000_0000.json' is damaged" in text
-    assert "2 taken back" in status("--mend")[1]
-    assert status("--ready")[1].split() == ["tile_0_0000_0000", "tile_0_0002_0001"]
-    assert run(terrain, first).count("done before") == 10 and status()[0] == 0 and sums() == whole
+    assert code == 1 and "tiles: 7 of 12 tasks done, 5 damaged" in text
+    assert "'job/tiles/0/0002_0001.glb' is damaged: it has" in text and f"cannot read '{broken[first[3]]}'" in text
+    assert all(f"'{broken[name]}' is damaged" in text for name in first[:3])
+    before = {path: path.read_bytes() for path in Path("job/done").iterdir() if path.stem not in (*first[:4], "tile_0_0002_0001")}
+    assert "5 taken back" in status("--mend")[1]
+    # Engines do what has no receipt.
+    assert not any(path.exists() for path in broken.values()) and before == {path: path.read_bytes() for path in Path("job/done").iterdir()}
+    assert status("--ready")[1].split() == [*first[:4], "tile_0_0002_0001"]
+    assert run(terrain, first).count("done before") == 7 and status()[0] == 0 and sums() == whole
 
 
 def damage(how):
@@ -357,6 +365,40 @@ def test_a_plan_that_was_killed_while_it_was_written_can_be_made_again(terrain):
     assert not Path("job/plan.json.hmesh-part0").exists()
 
 
+def test_a_plan_whose_files_for_engines_cannot_be_written_fails(terrain):
+    plan(terrain)
+    for name in ["phase_2.txt", "parallel.sh", "slurm_task.sh", "slurm.sh", "build.ninja"]:
+        Path("job", name).unlink()
+        Path("job", name).mkdir()
+        terrain.fails(f"cannot write 'job/{name}': Is a directory", f"job plan dem.pgm -o job {OPTIONS}")
+        Path("job", name).rmdir()
+    Path("job/plan.json").unlink()
+    Path("job/plan.json").mkdir()
+    for arguments in [f"job plan dem.pgm -o job {OPTIONS}", "job status job"]:
+        terrain.fails("cannot read 'job/plan.json': Is a directory", arguments)
+
+
+def test_a_folder_with_any_file_but_parts_of_a_plan_is_none_for_a_plan(terrain):
+    write("dem.pgm", dems.pgm(ground(WIDTH, HEIGHT)))
+    for k in range(6):  # whichever of them the system lists last
+        Path("full").mkdir()
+        for n in range(6):
+            write(f"full/{n}" + ("" if n == k else ".hmesh-part0"), b"")
+        ran = terrain.run(f"job plan dem.pgm -o full {OPTIONS}")
+        assert ran.returncode == 1 and "'full' is not empty, and no job" in ran.stderr and len(contents()) == 7
+        shutil.rmtree("full")
+
+
+def test_columns_and_rows_of_more_than_four_digits_are_names_that_sort(terrain):
+    write("wide.pgm", dems.pgm([[0] * 10002] * 2))
+    terrain.done("job plan wide.pgm -o job --max-error 9 --tiles 1 -q")
+    first, seams, _ = phases()
+    assert first == [f"tile_0_{x:05}_00000" for x in range(10001)] and seams == ["seams_0_00000"]
+    run(terrain, first[-1:])
+    assert list(tiles()) == ["0/10000_00000.glb"]
+    terrain.fails("'tile_0_1000_0000' is no task of this job", "job run job tile_0_1000_0000")
+
+
 def test_join_leaves_the_files_of_the_job_alone(terrain):
     plan(terrain)
     finish(terrain)
@@ -375,6 +417,9 @@ def test_join_leaves_the_files_of_the_job_alone(terrain):
     assert contents() == before
     plan(terrain, folder="other")
     terrain.fails("is within another job, '", "job join job -o other/tiles")
+    Path("site").mkdir()
+    write("site/plan.json", b"{}")  # of another program
+    terrain.done("job join job -o site/whole.ply -q")
 
 
 def test_names_that_no_plan_can_hold_are_refused(terrain):

@@ -284,6 +284,39 @@ def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, sc
     assert 0.5 * error < index["border_tolerance"] < 1.4 * foretold * error
 
 
+def test_tiles_that_do_not_meet_are_counted_and_not_joined(hmesh):
+    draw(width=128, height=128)
+    looks, shares, made, seams, index = plan(hmesh)
+    plan(hmesh, OPTIONS + " --border-tolerance 40", folder="other")
+    run(hmesh, looks + shares + made)
+    finish(hmesh, "other")
+    name = "tiles/0/0000_0001.hmc"
+    shutil.copy(f"other/{name}", f"job/{name}")
+    forge("job/done/tile_0_0001_0000.json", files=[{"name": name, "bytes": len(read(f"job/{name}")), "sha256": sums()[name[6:]]}])
+    told = run(hmesh, seams + index).splitlines()
+
+    def side(row, column, axis, at):
+        hmesh.done(f"job/tiles/0/{row:04}_{column:04}.hmc -o tile.ply -q")
+        positions, colors, _ = read_ply("tile.ply")  # whose y goes down from the tile's highest
+        return {(place, tuple(color)) for place, color in zip(positions, colors) if place[axis] == at}
+
+    def compare(one, other, axis):
+        one, other = ({(place[1 - axis], color) for place, color in side(*tile, axis, at)} for *tile, at in (one, other))
+        return len(one & other), len(one ^ other)
+
+    wide, high = (json.loads(read("job/tiles/index.json"))["tiles"][0][key] - 1 for key in ("width", "height"))
+    pairs = [compare((0, 0, high), (1, 0, 0), 1), compare((0, 0, wide), (0, 1, 0), 0), compare((0, 1, high), (1, 1, 0), 1),
+             compare((1, 0, wide), (1, 1, 0), 0)]
+    (shared, opened), first = [sum(column) for column in zip(*pairs)], "tile_0_0000_0000 and tile_0_0001_0000"
+    assert [there == 0 for _, there in pairs] == [True, False, False, True] and shared > 9
+    assert json.loads(read("job/tiles/index.json"))["seams"] == {"pairs": 4, "shared": shared, "open": opened, "first": first}
+    assert told[:2] == [f"seams_0_0000  3 pairs, {shared - pairs[3][0]} vertices shared, {opened} that the other has not",
+                        f"seams_0_0001  1 pairs, {pairs[3][0]} vertices shared"]
+    for output in ["whole.ply", "served --format glb"]:
+        hmesh.fails(f"the tiles do not all meet, first {first}", f"job join job -o {output}")
+    assert not Path("whole.ply").exists() and not Path("served").exists()
+
+
 # ---- by whatever engine ----
 def test_no_order_threads_processes_or_restarts_are_seen_in_the_files(hmesh):
     looks, shares, made, seams, index = plan(hmesh)
@@ -385,11 +418,35 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
     fails("is of another plan", "tile_0_0002_0000")
     for name in "tile_0_0004_0000 tile_1_0000_0000 shares_1 seams_0_0003 look_0_0_0 look_0000_0000 shares".split():
         fails(f"'{name}' is no task of this job", name)
-    os.utime("image.ppm", (1e9, 1e9))
     Path(f"job/done/{looks[0]}.json").unlink()
+    image, written = read("image.ppm"), os.stat("image.ppm")
+    Path("image.ppm").write_bytes(image.replace(b"230 150", b"150 230", 1))
+    os.utime("image.ppm", ns=(written.st_atime_ns, written.st_mtime_ns))
+    fails("is not the input that was planned: it has 150 x 230 samples of 3 channels and 8 bits, "
+          "and had 230 x 150 samples of 3 channels and 8 bits", looks[0])
+    os.utime("image.ppm", (1e9, 1e9))
     fails("has been written since", looks[0])
     forge("job/plan.json", version="0.0.9")
     fails("was made by hmesh 0.0.9", index[0])
+
+
+def test_join_refuses_tiles_that_were_damaged_after_they_were_indexed(hmesh):
+    draw(width=128, height=128)
+    plan(hmesh)
+    finish(hmesh)
+    tile = Path("job/tiles/0/0001_0000.hmc")
+    whole = tile.read_bytes()
+    for content, sentence in [(whole[:-1], "is damaged: it has"), (whole[:90] + bytes([whole[90] ^ 1]) + whole[91:], "its bytes are not those"),
+                              (None, "is missing")]:
+        if content is None:
+            tile.unlink()
+        else:
+            tile.write_bytes(content)
+        for output in ["whole.ply", "as_they_are", "served --format glb"]:
+            hmesh.fails(sentence, f"job join job -o {output}")
+    assert not Path("whole.ply").exists() and not list(Path().glob("*/index.json"))
+    Path("job/done/index.json").unlink()
+    hmesh.fails("the task index is not done", "job join job -o whole.ply")
 
 
 def test_a_full_disk_loses_no_finished_task(hmesh):
@@ -416,6 +473,8 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     hmesh.fails("small.ppm' has 4 levels, not 5: it has too few pixels for more", "job plan small.ppm -o job --levels 5")
     draw()
     hmesh.fails("is no folder", "job plan image.ppm -o color.ppm")
+    for arguments in ["job status job", "job run job index", "job join job -o whole.ply"]:
+        hmesh.fails("'job' is no job: 'job/plan.json' is missing", arguments)
     assert not Path("job").exists()
     plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
     run(hmesh, phases()[0])
