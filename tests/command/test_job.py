@@ -229,7 +229,7 @@ def test_status_tells_what_is_done_ready_missing_and_damaged(terrain):
     before = {path: path.read_bytes() for path in Path("job/done").iterdir() if path.stem not in (*first[:4], "tile_0_0002_0001")}
     assert "5 taken back" in status("--mend")[1]
     # Engines do what has no receipt.
-    assert not any(path.exists() for path in broken.values()) and before == {path: path.read_bytes() for path in Path("job/done").iterdir()}
+    assert before == {path: path.read_bytes() for path in Path("job/done").iterdir()}
     assert status("--ready")[1].split() == [*first[:4], "tile_0_0002_0001"]
     assert run(terrain, first).count("done before") == 7 and status()[0] == 0 and sums() == whole
 

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from conftest import contents, is_whole, read, rows
+from conftest import contents, is_failure, is_whole, read, rows
 from jobs import finish, forge, phases, receipts, run, sums, tiles
 from test_psnr import psnr_of, read_glb, read_ply
 
@@ -223,6 +223,14 @@ def test_levels_are_meshes_of_the_image_at_half_the_size_each_and_stand_in_one_p
         1 for level, column, row in places for other in ((level, column + 1, row), (level, column, row + 1)) if other in places)
 
 
+@pytest.mark.parametrize("wanted, vertices", [(130, [130, 33, 8, 4]), (1000, [256, 64, 16, 4])])
+def test_levels_have_a_fourth_of_the_vertices_each_but_four_at_least_and_one_a_sample_at_most(hmesh, wanted, vertices):
+    draw("small.pgm", 1, 16, 16, lambda x, y, c: 77)
+    plan(hmesh, f"--vertices {wanted} --tile 64 --effort draft --levels 4", "small.pgm")
+    finish(hmesh)
+    assert [level["vertices"] for level in json.loads(read("job/tiles/index.json"))["levels"]] == vertices
+
+
 def test_level_0_is_the_same_whatever_levels_there_are_if_tiles_are(hmesh):
     draw(width=257, height=129)
     plan(hmesh)
@@ -342,7 +350,9 @@ def test_status_tells_what_is_ready_and_mends(hmesh):
     assert ready() == shares
     run(hmesh, shares)
     assert ready() == made
-    run(hmesh, made[:8])
+    run(hmesh, made[4:8])
+    assert ready() == made[:4] + made[8:]
+    run(hmesh, made[:4])
     assert ready() == made[8:] + seams[:1]
     finish(hmesh)
     whole = sums()
@@ -419,13 +429,24 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
     for name in "tile_0_0004_0000 tile_1_0000_0000 shares_1 seams_0_0003 look_0_0_0 look_0000_0000 shares".split():
         fails(f"'{name}' is no task of this job", name)
     Path(f"job/done/{looks[0]}.json").unlink()
-    image, written = read("image.ppm"), os.stat("image.ppm")
-    Path("image.ppm").write_bytes(image.replace(b"230 150", b"150 230", 1))
-    os.utime("image.ppm", ns=(written.st_atime_ns, written.st_mtime_ns))
-    fails("is not the input that was planned: it has 150 x 230 samples of 3 channels and 8 bits, "
-          "and had 230 x 150 samples of 3 channels and 8 bits", looks[0])
+    length, written = len(read("image.ppm")), os.stat("image.ppm")
+
+    def fails_with(sentence, content):
+        """As long and old as the image that was planned: a comment is what it lacks."""
+        header, _, body = content.partition(b" 255\n")
+        Path("image.ppm").write_bytes(header + b" #".ljust(length - len(content), b".") + b"\n255\n" + body)
+        os.utime("image.ppm", ns=(written.st_atime_ns, written.st_mtime_ns))
+        fails(sentence, looks[0])
+
+    for kind, width, height, channels in [(6, 229, 150, 3), (6, 230, 149, 3), (5, 230, 150, 1)]:
+        fails_with(f"is not the input that was planned: it has {width} x {height} samples of {channels} channels and 8 bits, "
+                   "and had 230 x 150 samples of 3 channels and 8 bits",
+                   b"P%d %d %d 255\n" % (kind, width, height) + bytes(width * height * channels))
+    fails_with("cannot read '", b"P7 230 150 255\n")
     os.utime("image.ppm", (1e9, 1e9))
     fails("has been written since", looks[0])
+    forge("job/plan.json", effort="none")
+    fails("'job/plan.json' has an effort that", index[0])
     forge("job/plan.json", version="0.0.9")
     fails("was made by hmesh 0.0.9", index[0])
 
@@ -436,13 +457,13 @@ def test_join_refuses_tiles_that_were_damaged_after_they_were_indexed(hmesh):
     finish(hmesh)
     tile = Path("job/tiles/0/0001_0000.hmc")
     whole = tile.read_bytes()
-    for content, sentence in [(whole[:-1], "is damaged: it has"), (whole[:90] + bytes([whole[90] ^ 1]) + whole[91:], "its bytes are not those"),
-                              (None, "is missing")]:
+    flipped = whole[:90] + bytes([whole[90] ^ 1]) + whole[91:]
+    for content, sentence in [(whole[:-1], "is damaged: it has"), (flipped, "its bytes are not those"), (None, "is missing")]:
         if content is None:
             tile.unlink()
         else:
             tile.write_bytes(content)
-        for output in ["whole.ply", "as_they_are", "served --format glb"]:
+        for output in ["whole.ply", "as_they_are --format hmc", "served --format glb"]:
             hmesh.fails(sentence, f"job join job -o {output}")
     assert not Path("whole.ply").exists() and not list(Path().glob("*/index.json"))
     Path("job/done/index.json").unlink()
@@ -463,19 +484,23 @@ def test_a_full_disk_loses_no_finished_task(hmesh):
 
 
 def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
-    draw("row.ppm", width=300, height=1)
-    hmesh.fails("is 300 x 1 px: tiles have 2 samples or more a side", "job plan row.ppm -o job")
+    for width, height in [(300, 1), (1, 300)]:
+        draw("row.ppm", width=width, height=height)
+        hmesh.fails(f"is {width} x {height} px: tiles have 2 samples or more a side", "job plan row.ppm -o job")
     hmesh.fails("cannot read", "job plan no.ppm -o job")
     Path("nan.pfm").write_bytes(b"Pf 20 10 -1\n" + struct.pack("<200f", *[math.nan if k % 20 == 0 else 1 for k in range(200)]))
     hmesh.done("job plan nan.pfm -o nan -q --rate 10")
     hmesh.fails("has a sample that is NaN", "job run nan look_0_0000_0000")
-    draw("small.ppm", width=9, height=16)
-    hmesh.fails("small.ppm' has 4 levels, not 5: it has too few pixels for more", "job plan small.ppm -o job --levels 5")
+    for width, height in [(9, 17), (17, 9)]:
+        draw("small.ppm", width=width, height=height)
+        hmesh.fails("small.ppm' has 4 levels, not 5: it has too few pixels for more", "job plan small.ppm -o job --levels 5")
     draw()
     hmesh.fails("is no folder", "job plan image.ppm -o color.ppm")
     for arguments in ["job status job", "job run job index", "job join job -o whole.ply"]:
         hmesh.fails("'job' is no job: 'job/plan.json' is missing", arguments)
     assert not Path("job").exists()
+    plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
+    hmesh.fails("'job' holds another plan", "job plan image.ppm -o job --tile 64 --vertices 31 --border-tolerance 1")
     plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
     run(hmesh, phases()[0])
     hmesh.fails("the sides of 12 tiles need", "job run job shares_0")
@@ -538,11 +563,32 @@ def test_join_writes_nothing_into_the_job_and_says_what_an_output_is_not(hmesh):
     hmesh.fails("is within another job, '", "job join job -o other/tiles")
     hmesh.done("job join job -o v1.2 --format glb")
     hmesh.done("job join job -o v1.2")
+    hmesh.done("job join job -o as_they_are --format hmc")
+    assert tiles("as_they_are") == tiles()
+    Path("taken/0/0001_0000.glb").mkdir(parents=True)
+    hmesh.fails("cannot write 'taken/0/0001_0000.glb': Is a directory", "job join job -o taken")
+    assert not Path("taken/index.json").exists()
     for folder in ["v1.3/", ".hidden/", "new/."]:
         hmesh.done(f"job join job -o {folder}")
         assert Path(folder, "index.json").exists()
     assert Path("v1.2").is_dir()
     assert "\nPSNR       inf dB of" in hmesh.done("job join job -o x.glb")
+
+
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="there is no /dev/full")
+def test_what_cannot_be_printed_is_a_failure(hmesh):
+    draw(width=128, height=128)
+    tasks = sum(plan(hmesh), [])
+    with open("/dev/full", "wb") as file:
+        assert hmesh.run(f"job plan image.ppm -o job {OPTIONS}", stdout=file).returncode == 1
+        assert hmesh.run(["job", "run", "job", *tasks], stdout=file).returncode == 1
+        assert list(receipts()) == tasks[:1]  # who reads nothing of it does not want the others
+        is_failure(hmesh.run("job status job --ready", stdout=file), "cannot write to the standard output")
+        finish(hmesh)
+        for arguments in ["job status job", "job join job -o whole.ply"]:
+            is_failure(hmesh.run(arguments, stdout=file), "cannot write to the standard output")
+        assert hmesh.run("job status job -q", stdout=file).returncode == 0
+        assert hmesh.run(f"job run job {tasks[0]} -q", stdout=file).returncode == 0
 
 
 def test_samples_far_above_one_have_sides_that_fit_them(hmesh):
