@@ -89,9 +89,10 @@ def geotiff(heights, place=(0, 0), step=(1, 1), is_point=False, geographic=False
 
 
 # ---- what is written: vertices (x to the east, y to the north, z up), normals alike, faces counter-clockwise from above ----
+# `textures`: places in an image, to the right and down from its upper left corner.
 class Model:
-    def __init__(self, vertices, faces, normals=()):
-        self.vertices, self.faces, self.normals = vertices, faces, list(normals)
+    def __init__(self, vertices, faces, normals=(), textures=()):
+        self.vertices, self.faces, self.normals, self.textures = vertices, faces, list(normals), list(textures)
 
 
 def read_ply(name):
@@ -111,14 +112,23 @@ def read_ply(name):
         assert three == 3
         faces.append(tuple(face))
     assert len(body) == counts["vertex"] * stride + 13 * counts["face"]
-    return Model([(r["x"], r["y"], r["z"]) for r in rows], faces, [(r["nx"], r["ny"], r["nz"]) for r in rows if "nx" in r])
+    return Model([(r["x"], r["y"], r["z"]) for r in rows], faces, [(r["nx"], r["ny"], r["nz"]) for r in rows if "nx" in r],
+                 [(r["s"], 1 - r["t"]) for r in rows if "s" in r])
 
 
 def read_obj(name):
     lines = [line.split() for line in Path(name).read_text().splitlines()]
-    numbers = {kind: [tuple(map(float, words[1:])) for words in lines if words and words[0] == kind] for kind in ("v", "vn")}
-    faces = [tuple(int(word.split("/")[0]) - 1 for word in words[1:]) for words in lines if words and words[0] == "f"]
-    return Model(numbers["v"], faces, numbers["vn"])
+    words_of = {kind: [words[1:] for words in lines if words and words[0] == kind] for kind in ("v", "vn", "vt", "f")}
+    numbers = {kind: [tuple(map(float, words)) for words in words_of[kind]] for kind in ("v", "vn", "vt")}
+    kinds = 1 + bool(numbers["vt"]) + bool(numbers["vn"])
+    corners = [[word.split("/") for word in words] for words in words_of["f"]]
+    assert all(corner == corner[:1] * kinds for face in corners for corner in face)
+    faces = [tuple(int(corner[0]) - 1 for corner in face) for face in corners]
+    return Model(numbers["v"], faces, numbers["vn"], [(s, 1 - t) for s, t in numbers["vt"]])
+
+
+def as_float(number):
+    return struct.unpack("f", struct.pack("f", number))[0]
 
 
 def read_glb(name):
@@ -131,13 +141,18 @@ def read_glb(name):
         accessor = head["accessors"][accessor]
         view = head["bufferViews"][accessor["bufferView"]]
         form = "<" + {"SCALAR": 1, "VEC2": 2, "VEC3": 3}[accessor["type"]] * {5126: "f", 5125: "I", 5123: "H"}[accessor["componentType"]]
+        assert view.get("byteOffset", 0) + view["byteLength"] <= head["buffers"][0]["byteLength"] <= len(buffer)
         return [struct.unpack_from(form, buffer, view.get("byteOffset", 0) + i * struct.calcsize(form)) for i in range(accessor["count"])]
 
     primitive = head["meshes"][0]["primitives"][0]
     north_up = [[(x, -z, y) for x, y, z in array(primitive["attributes"][key])] if key in primitive["attributes"] else []
                 for key in ("POSITION", "NORMAL")]
     corners = [i for i, in array(primitive["indices"])]
-    return Model(north_up[0], list(zip(corners[::3], corners[1::3], corners[2::3])), north_up[1])
+    bounds = head["accessors"][primitive["attributes"]["POSITION"]]
+    columns = list(zip(*array(primitive["attributes"]["POSITION"])))
+    assert [list(map(min, columns)), list(map(max, columns))] == [[as_float(z) for z in bounds[end]] for end in ("min", "max")]
+    textures = array(primitive["attributes"]["TEXCOORD_0"]) if "TEXCOORD_0" in primitive["attributes"] else []
+    return Model(north_up[0], list(zip(corners[::3], corners[1::3], corners[2::3])), north_up[1], textures)
 
 
 def read_stl(name):

@@ -84,6 +84,7 @@ def test_the_whole_is_one_surface_without_a_crack_within_the_bound_in_any_format
     plan(terrain)
     finish(terrain)
     text = terrain.done("job join job -o whole.ply")
+    assert "note" not in text
     model = read_model("whole.ply")
     assert f"{len(model.vertices)} vertices, {len(model.faces)} triangles" in text
     assert judge(ground(WIDTH, HEIGHT), model, from_south(HEIGHT)) <= 9
@@ -101,6 +102,34 @@ def test_the_whole_is_one_surface_without_a_crack_within_the_bound_in_any_format
         other = read_model(f"whole.{kind}")
         assert other.faces == model.faces and [floats(v) for v in other.vertices] == model.vertices
         assert [floats(n) for n in other.normals] == model.normals
+
+
+@pytest.mark.parametrize("options, step", [("", 1), ("--scale 0.5 --no-normals", 0.5)])
+def test_the_whole_has_places_in_an_image_of_the_heights_and_normals_if_its_tiles_have(terrain, options, step):
+    plan(terrain, options)
+    finish(terrain)
+    tile = read_model("job/tiles/0/0001_0001.glb")
+    for kind in ["ply", "obj", "glb"]:
+        terrain.done(f"job join job -o whole.{kind} -q")
+        model = read_model(f"whole.{kind}")
+        assert len(model.normals) == (len(model.vertices) if options == "" else 0)
+        assert set(tile.vertices) <= set(map(floats, model.vertices))
+        places = [((x / step + 0.5) / WIDTH, (HEIGHT - 0.5 - y / step) / HEIGHT) for x, y, _ in model.vertices]
+        assert len(places) == len(model.textures)
+        assert all(abs(a - b) < 1e-6 for place, texture in zip(places, model.textures) for a, b in zip(place, texture))
+
+
+def test_a_full_disk_leaves_nothing_of_a_whole(terrain):
+    plan(terrain)
+    finish(terrain)
+    before = contents()
+
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
+
+    for output in ["whole.ply", "whole.obj", "whole.glb", "served"]:
+        terrain.fails("cannot write '", f"job join job -o {output}", preexec_fn=limit, restore_signals=False)
+    assert contents() == before
 
 
 def test_a_folder_of_tiles_has_an_index_and_is_copied_again_where_it_differs(terrain):
@@ -141,7 +170,8 @@ def test_tiles_of_cesiums_grid_have_its_names_and_a_layer(terrain):
     west, north = -180 + 530 * side, -90 + 380 * side
     write("dem.pgm", dems.pgm(ground(4 * 16 + 1, 3 * 16 + 1)))
     extent = f"{west},{north - 3 * side},{west + 4 * side},{north}"
-    terrain.done(f"job plan dem.pgm -o job --max-error 9 --effort fast --tiles 16 --format terrain --extent {extent}")
+    planned = terrain.done(f"job plan dem.pgm -o job --max-error 9 --effort fast --tiles 16 --format terrain --extent {extent}")
+    assert "note" not in planned + terrain.done("job plan dem.pgm -o other --max-error 9 --tiles 16")
     finish(terrain)
     layer = json.loads(read("job/tiles/layer.json"))
     assert layer["maxzoom"] == 9 and layer["tiles"] == ["{z}/{x}/{y}.terrain"] and layer["extensions"] == ["octvertexnormals"]
@@ -165,7 +195,10 @@ def test_samples_without_data_and_tiles_of_none(terrain):
     empty = {t["file"] for t in json.loads(read("job/tiles/index.json"))["tiles"] if t["is"] == "empty"}
     assert empty == {f"0/{x:04}_{y:04}.glb" for x, y in [(2, 1), (3, 1), (2, 2), (3, 2)]} and not empty & set(tiles())
     assert "content" in str(json.loads(read("job/tiles/tileset.json"))) and not any(name in read("job/tiles/tileset.json").decode() for name in empty)
-    terrain.done("job join job -o whole.ply")
+    alone = json.loads(read("job/tiles/index.json"))["seams"]["no_data"]
+    assert alone > 0
+    text = terrain.done("job join job -o whole.ply")
+    assert f"note       {alone} vertices of seams beside samples without data stand alone" in text
     # A tile knows nothing of corners of holes in its neighbour: only one of them has a vertex there.
     is_seam = lambda x, y: x in (32, 64) or y in (32, 64)
     assert judge(heights, read_model("whole.ply"), from_south(HEIGHT), may_be_open=is_seam) <= 9

@@ -7,7 +7,7 @@ import pytest
 
 import dems
 from conftest import read
-from dems import Model, ground, judge, read_model, with_holes
+from dems import Model, as_float, ground, judge, read_model, with_holes
 from jobs import finish, phases, run, sums, tiles
 
 WIDTH, HEIGHT, CELLS, BOUND, LEVELS = 120, 75, 16, 9, 3
@@ -33,10 +33,6 @@ def whole(names):
         numbers = [known.setdefault(key, len(known)) for key in zip(tile.vertices, tile.normals)]
         faces += [tuple(numbers[v] for v in face) for face in tile.faces]
     return Model([position for position, _ in known], faces)
-
-
-def as_float(number):
-    return struct.unpack("f", struct.pack("f", number))[0]
 
 
 def hanging(name):

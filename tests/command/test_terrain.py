@@ -583,12 +583,20 @@ def test_tiles_of_a_budget_meet_where_their_borders_have_a_tolerance(terrain):
 
 
 def test_last_tiles_that_have_fewer_samples_than_vertices_are_asked_for_get_these(terrain):
-    write("dem.pgm", dems.pgm(ground(42, 22)))
-    report = report_of(terrain, "dem.pgm -o t.ply --vertices 90 --border-tolerance 12 --tiles 20 --effort draft")
-    assert [(t["x"], t["y"], t["vertices"]) for t in report["tiles"]] == [
-        (0, 0, 90), (1, 0, 90), (2, 0, 42), (0, 1, 42), (1, 1, 42), (2, 1, 4)]
+    for width, last in [(42, [42, 4]), (52, [90, 24])]:
+        write("dem.pgm", dems.pgm(ground(width, 22)))
+        report = report_of(terrain, "dem.pgm -o t.ply --vertices 90 --border-tolerance 12 --tiles 20 --effort draft")
+        assert [(t["x"], t["y"], t["vertices"]) for t in report["tiles"]] == [
+            (0, 0, 90), (1, 0, 90), (2, 0, last[0]), (0, 1, 42), (1, 1, 42), (2, 1, last[1])]
     terrain.fails("a mesh has at most one vertex a pixel (500, limit 441)", "dem.pgm -o u.ply --vertices 500 --tiles 20")
-    terrain.fails("a mesh has at most one vertex a pixel (2000, limit 924)", "dem.pgm -o u.ply --vertices 2000")
+    terrain.fails("a mesh has at most one vertex a pixel (2000, limit 1144)", "dem.pgm -o u.ply --vertices 2000")
+
+
+def test_samples_that_are_no_metres_apart_in_either_direction_or_too_many_are_refused(terrain):
+    for width, height, options in [(20, 2, "--scale 1e307"), (2, 20, "--scale 1e307"), (9, 9, "--scale 1e-300 --spacing 1e-100")]:
+        write("dem.pgm", dems.pgm(ground(width, height)))
+        terrain.fails("'dem.pgm' has samples that are no metres apart, or too many", f"dem.pgm -o x.ply --max-error 9 {options}")
+    assert not Path("x.ply").exists()
 
 
 def test_tiles_of_a_budget_keep_to_one_range_of_heights(terrain):
