@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <limits>
@@ -394,8 +395,10 @@ TEST_CASE("vertices are moved to a lattice, and faces stay as they lie") {
     CompactOptions options;
     options.color_step = 4096;
     CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
-    options.color_step = 5, options.colors = CompactColors::bits16;
+    options.color_step = 1, options.colors = CompactColors::bits16;
     CHECK(refusal(random_mesh({}, 1), options).code == Errc::invalid_argument);
+    options.color_step = 0, options.colors = static_cast<CompactColors>(3);
+    CHECK(refusal(random_mesh({}, 1), options).value == 3);
 }
 
 TEST_CASE("the bare profile is refused a lattice that its reader refuses") {
@@ -449,7 +452,14 @@ TEST_CASE("limits are kept, and their values checked") {
     CHECK(status(n - 1, 256).value == doctest::Approx(static_cast<double>(n)));
     CHECK(status(n, 255).code == Errc::image_too_large);
     CHECK(status(3, 256).code == Errc::invalid_argument);
+    CHECK(status(3, 256).value == 3);
+    CHECK(status(4, 256).value == doctest::Approx(static_cast<double>(n)));
+    CHECK(status(std::int64_t{1} << 24, 256));
+    CHECK(status((std::int64_t{1} << 24) + 1, 256).code == Errc::invalid_argument);
     CHECK(status(n, 0).code == Errc::invalid_argument);
+    CHECK(status(n, 1).code == Errc::image_too_large);
+    CHECK(status(n, std::int64_t{1} << 32));
+    CHECK(status(n, (std::int64_t{1} << 32) + 1).code == Errc::invalid_argument);
 }
 
 TEST_CASE("a file cut anywhere, or with any bit turned, is refused") {
@@ -639,6 +649,170 @@ TEST_CASE("heads that this version does not write are refused") {
     for (unsigned bit = 3; bit < 8; ++bit) CHECK(!status(15, static_cast<unsigned char>(whole[15] | 1U << bit)));
     CHECK(!status(16, 0));  // a width
     CHECK(!status(18, 0));  // a step
+}
+
+namespace {
+
+// As heads have numbers.
+Bytes varint(std::uint32_t value) {
+    Bytes bytes;
+    for (; value > 127; value >>= 7) bytes.push_back(static_cast<unsigned char>((value & 0x7fU) | 0x80U));
+    bytes.push_back(static_cast<unsigned char>(value));
+    return bytes;
+}
+
+bool says(const hmesh::Status& status, const char* words) { return std::string(status.what).find(words) != std::string::npos; }
+
+}  // namespace
+
+TEST_CASE("what the bare profile does not say is refused, and what it says wrongly") {
+    CompactOptions options;
+    options.bare = true;
+    const Mesh good = hmesh_test::two_faces(3);
+    const auto refused = [&](auto&& spoil) {
+        Mesh mesh = good;
+        spoil(mesh);
+        return refusal(mesh, options).code == Errc::invalid_argument;
+    };
+    CHECK(refused([](Mesh& m) { m.peak = 254; }));
+    CHECK(refused([](Mesh& m) { m.periodic = hmesh::Periodic::x, m.colors.assign(12, 5); }));
+    CHECK(refused([](Mesh& m) { m.faces.pop_back(), m.positions.resize(6), m.colors.resize(9); }));
+    CHECK(refused([](Mesh& m) {
+        m.samples = hmesh::Samples::points;
+        m.positions = {0, 0, 2, 0, 2, 1, 0, 1};
+    }));
+    options.colors = CompactColors::bits16;
+    CHECK(refused([](Mesh& /*m*/) {}));
+    options.colors = CompactColors::bits8;
+    for (const bool is : {false, true}) {
+        Mesh mesh = good;
+        mesh.channels = 2;
+        mesh.colors.resize(8);
+        options.linear = is;
+        mesh.premultiplied = !is;
+        const CompactMesh back = read_bare(compact(mesh, options));
+        REQUIRE(back.status);
+        CHECK(back.linear == is);
+        CHECK(back.mesh.premultiplied == !is);
+    }
+    options.linear = false;
+    const Bytes whole = compact(good, options);
+    REQUIRE(whole[1] == 3);  // first come the kind, the sides, the lattice and the step of colours, of a byte each
+    const auto status = [&](std::size_t at, const Bytes& in_place_of_one) {
+        Bytes changed = whole;
+        changed.insert(changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(at)), in_place_of_one.begin(),
+                       in_place_of_one.end());
+        return read_bare(changed).status;
+    };
+    CHECK(status(1, {3}));
+    for (const unsigned kind : {0U, 15U}) {
+        const hmesh::Status other = status(0, {static_cast<unsigned char>((kind << 4 | (whole[0] & 15U)) & 0xffU)});
+        CHECK(says(other, "no bare compact mesh of a version known"));
+        CHECK(other.value == kind);
+    }
+    for (const std::size_t side : {1, 2})
+        for (const std::uint32_t none : {0U, 65537U}) {
+            CHECK(says(status(side, varint(none)), "sides of 1 to 65536 px"));
+            CHECK(status(side, varint(none)).value == none);
+        }
+    for (const std::uint32_t side : {1U, 65536U}) CHECK(!says(status(1, varint(side)), "sides of"));
+    for (const std::uint32_t none : {0U, 65537U}) CHECK(says(status(3, varint(none)), "a lattice of 1 to 65536 px"));
+    CHECK(!says(status(3, varint(65536)), "a lattice of"));
+    CHECK(says(status(4, varint(4096)), "too large a step of colours"));
+    CHECK(!says(status(4, varint(4095)), "too large a step of colours"));
+    for (std::size_t size = 3; size < 5; ++size)
+        CHECK(
+            says(read_bare(Bytes(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size))).status, "ends in its head"));
+}
+
+TEST_CASE("frames that this version does not write are refused") {
+    Mesh mesh = hmesh_test::two_faces(3);  // one period of x, whose sides are a zigzag: from -1 to 4 px, and from 0 to 2
+    mesh.periodic = hmesh::Periodic::x;
+    mesh.positions = {-1, 0, 2, 0, 4, 1, 1, 1, -1, 2, 2, 2};
+    mesh.colors.assign(18, 7);
+    mesh.faces = {{0, 1, 3}, {1, 2, 3}, {3, 5, 4}, {3, 2, 5}};
+    const Bytes whole = compact(mesh);
+    const auto frame = [](std::int64_t left, std::int64_t top, std::uint32_t width, std::uint32_t height) {
+        Bytes bytes;
+        for (const std::int64_t at : {left, top}) {
+            const Bytes number = varint(static_cast<std::uint32_t>(at < 0 ? -2 * at - 1 : 2 * at));
+            bytes.insert(bytes.end(), number.begin(), number.end());
+        }
+        for (const std::uint32_t side : {width, height}) {
+            const Bytes number = varint(side);
+            bytes.insert(bytes.end(), number.begin(), number.end());
+        }
+        return bytes;
+    };
+    const Bytes written = frame(-256, 0, 1280, 512);
+    const auto place = std::search(whole.begin(), whole.end(), written.begin(), written.end());
+    REQUIRE(place != whole.end());
+    const auto status = [&](const Bytes& other, unsigned char periodic) {
+        Bytes changed(whole.begin(), place);
+        changed[15] = static_cast<unsigned char>((changed[15] & 0xfcU) | periodic);
+        changed.insert(changed.end(), other.begin(), other.end());
+        changed.insert(changed.end(), place + static_cast<std::ptrdiff_t>(written.size()), whole.end());
+        seal(changed);
+        return read(changed).status;
+    };
+    constexpr std::uint32_t most = 1U << 25;
+    constexpr std::int64_t furthest = most;
+    const char* const words = "frame has no size, is too large, or is not that of a periodic mesh";
+    CHECK(status(written, 1));
+    CHECK(says(status(written, 0), words));
+    CHECK(says(status(frame(0, 0, 768, 512), 1), words));  // the image's, which is not told
+    for (const Bytes& other : {frame(0, 0, 0, 512), frame(0, 0, 1280, 0), frame(0, 0, most + 1, 512), frame(0, 0, 1280, most + 1),
+                               frame(-furthest - 1, 0, 1280, 512), frame(furthest + 1, 0, 1280, 512),
+                               frame(0, -furthest - 1, 1280, 512), frame(0, furthest + 1, 1280, 512)})
+        CHECK(says(status(other, 1), words));
+    for (const Bytes& other : {frame(0, 0, 1, 512), frame(0, 0, 1280, 1), frame(0, 0, most, 512), frame(0, 0, 1280, most),
+                               frame(-furthest, 0, 1280, 512), frame(furthest, 0, 1280, 512), frame(0, -furthest, 1280, 512),
+                               frame(0, furthest, 1280, 512)})
+        CHECK(!says(status(other, 1), words));
+}
+
+TEST_CASE("numbers in a head that this version does not write are refused") {
+    const Bytes whole = compact(random_mesh({}, 6));  // of 16 x 16 px; each number is a byte
+    REQUIRE(whole[16] == 16);
+    const auto status = [&](std::size_t at, const Bytes& in_place_of_one, unsigned first_flags = 0) {
+        Bytes changed = whole;
+        changed[14] = static_cast<unsigned char>(changed[14] | first_flags);
+        const auto place = changed.erase(changed.begin() + static_cast<std::ptrdiff_t>(at));
+        changed.insert(place, in_place_of_one.begin(), in_place_of_one.end());
+        seal(changed);
+        return read(changed).status;
+    };
+    CHECK(status(16, varint(16)));
+    CHECK(!status(16, {16 | 0x80, 0}));                  // longer than it need be
+    CHECK(!status(19, {0x80, 0x80, 0x80, 0x80, 0x10}));  // 2^32, whose lower bits are those of 0
+    CHECK(!status(19, {0x80, 0x80, 0x80, 0x80, 0x80, 0}));
+    for (const std::size_t side : {16, 17}) {
+        CHECK(status(side, varint(65537)).value == 65537);
+        CHECK(status(side, varint(65537)).limit == 65536);
+        CHECK(status(side, {1}, 32).limit == 2);  // of points
+    }
+    CHECK(status(18, varint((1U << 25) + 1)).value == (1 << 25) + 1);
+    CHECK(!says(status(18, varint(1U << 25)), "lattice must have"));
+    CHECK(status(19, varint(4096)).value == 4096);
+    CHECK(!says(status(19, varint(4095)), "a step that they cannot have"));
+    CHECK(says(status(19, {1}, 4), "a step that they cannot have"));  // of 16 bits
+    CHECK(says(status(14, {12}), "what this version does not know"));
+    for (std::size_t size = 14; size < 20; ++size) {
+        Bytes cut(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size));
+        seal(cut);
+        CHECK(!read(cut).status);
+    }
+    const auto peak = [&](double value) {
+        std::uint64_t bits = 0;
+        std::memcpy(&bits, &value, 8);
+        Bytes bytes{whole[19]};
+        for (unsigned k = 0; k < 8; ++k) bytes.push_back(static_cast<unsigned char>(bits >> (8 * k) & 0xffU));
+        return status(19, bytes, 128);
+    };
+    CHECK(peak(254));
+    for (const double none :
+         {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN(), 255.0})
+        CHECK(peak(none).code == Errc::invalid_argument);
 }
 
 namespace {
