@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
@@ -150,6 +151,27 @@ TEST_CASE("the residual and the number of iterations reported are true") {
     }
 }
 
+// A chain of springs between a point and the next, each held to its place by a weak one: its condition is some 4 / `held`.
+Sparse chain(Index n, double held) {
+    Sparse a(n, n);
+    for (Index i = 0; i < n; ++i) {
+        a.insert(i, i) = (i > 0) + (i + 1 < n) + held;
+        if (i > 0) a.insert(i, i - 1) = a.insert(i - 1, i) = -1;
+    }
+    return a;
+}
+
+TEST_CASE("where rounding has taken the residual of the iteration from the true one, it goes on until that is small") {
+    for (const auto& [held, tolerance] : {std::pair(1e-3, 1e-12), std::pair(1e-5, 1e-10)}) {
+        const Sparse a = chain(200, held);
+        MatrixXd b(200, 1), x = MatrixXd::Zero(200, 1);
+        for (Index i = 0; i < 200; ++i) b(i, 0) = 1 + std::sin(static_cast<double>(i * i));
+        const PcgReport report = solve_pcg(a, b, x, {5000, tolerance});
+        CHECK(report.converged);
+        CHECK(worst_residual(a, b, x) <= tolerance);
+    }
+}
+
 TEST_CASE("a tolerance below rounding ends by itself, unconverged, at a good solution") {
     Random random(5);
     const MatrixXd dense = random_spd(50, random), b = random_matrix(50, 2, random);
@@ -238,6 +260,13 @@ TEST_CASE("singular, indefinite and empty systems give no NaN") {
     report = solve_pcg(ones.sparseView(), MatrixXd::Ones(3, 1), x);
     CHECK(report.converged);
     CHECK(x.sum() == doctest::Approx(1));
+
+    MatrixXd difference(2, 2);  // singular, without a solution: along the right-hand side there is no energy
+    difference << 1, -1, -1, 1;
+    x = MatrixXd::Zero(2, 1);
+    report = solve_pcg(difference.sparseView(), MatrixXd::Ones(2, 1), x);
+    CHECK(!report.converged);
+    CHECK(x == MatrixXd::Zero(2, 1));
 
     MatrixXd indefinite(2, 2);
     indefinite << 1, 3, 3, 1;
