@@ -72,6 +72,8 @@ TEST_CASE("no single step of one channel lowers the energy of bounded colours") 
         const double grid = seed % 2 == 0 ? 1 : 4, low = 40, high = 200;
         const hmesh::kit::BoundedReport report = bounded_colors(s.mesh, {low, high, grid});
         REQUIRE(report.converged);
+        CHECK(report.rounding_sweeps >= 1);
+        CHECK(report.rounding_sweeps <= 10);
         CHECK(s.mesh.check());
         CHECK(all_allowed(s.mesh, low, high, grid));
         const double energy = s.mesh.energy();
@@ -102,6 +104,20 @@ TEST_CASE("bounded colours without a grid are the minimum over the box: the grad
             if (c(i, k) > 0) CHECK(g < 1e-4);
         }
     CHECK(at_bounds > 5);
+}
+
+TEST_CASE("a ridge draws colours to those at the start, as strongly as pixels do to theirs") {
+    const double ridge = 30;
+    Sample<float, 3> s(test::noise<float, 3>(60, 50, 7), no_ridge(ridge));
+    test::jitter(s.mesh, 9, 7, 0, 7);
+    const MatrixXd start = color_matrix(s.mesh);
+    const hmesh::kit::BoundedReport report = bounded_colors(s.mesh, {-1e6, 1e6, 0});
+    CHECK(report.converged);
+    CHECK(report.sweeps > 2);
+    CHECK(report.sweeps < 20);
+    const MatrixXd c = color_matrix(s.mesh), gradient = gram_matrix(s.mesh) * c - image_rhs(s.mesh);
+    CHECK(gradient.norm() > 1);
+    CHECK((gradient + ridge * (c - start)).cwiseAbs().maxCoeff() < 1e-4);
 }
 
 TEST_CASE("bounding costs energy, but little on a smooth image, and less than rounding and clamping do") {
