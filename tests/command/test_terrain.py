@@ -682,6 +682,18 @@ def test_a_model_as_wide_as_any_is_cut_into_tiles(terrain):
     assert [t["column"] + t["width"] for t in report["tiles"]] == [cells + 1, side]
 
 
+def test_a_model_of_one_row_or_column_or_of_too_long_ones_is_refused(terrain):
+    write("few.raw", bytes(18))
+    write("long.raw", bytes(2 * 65537 * 2))
+    for a, b in [(9, 1), (1, 9)]:
+        terrain.fails(f"'few.raw' has {a} x {b} samples, and a surface has at least 2 x 2",
+                      f"few.raw --size {a}x{b} -o x.ply --max-error 1")
+    for a, b in [(65537, 2), (2, 65537)]:
+        terrain.fails(f"'long.raw' has {a} x {b} samples, more than 65536 a side or 268435456 in all: --tiles cuts it smaller",
+                      f"long.raw --size {a}x{b} -o x.ply --max-error 1")
+    assert not Path("x.ply").exists()
+
+
 def test_tiles_that_are_too_many_or_too_large_are_refused_before_any_is_made(terrain):
     needs_gdal(terrain)
     side = 2 ** 31 - 1
