@@ -136,13 +136,21 @@ def test_a_full_standard_output_is_the_reason(hmesh, arguments):
 def test_a_terminal_is_shown_text_and_is_no_image(hmesh):
     ours, its = pty.openpty()
     with os.fdopen(its, "wb+", buffering=0) as terminal:
-        for output in ["-o - --format ply", "-o - --format glb", "-o - --format pdf", "--strip -"]:
+        for output in ["-o - --format ply", "-o - --format glb", "-o - --format pdf", "-o - --format hmc", "--strip -"]:
             run = hmesh.run(f"grey.pgm {output}", stdout=terminal)
             assert run.returncode == 2 and "is a terminal, and ." in run.stderr
-        assert hmesh.run("grey.pgm --vertices 4 -o - --format obj -q", stdout=terminal).returncode == 0
+        assert hmesh.run("grey.pgm --vertices 4 -o x.ply -o - --format obj -q", stdout=terminal).returncode == 0
         assert os.read(ours, 9) == b"# made by"
         hmesh.fails("it is a terminal", "-", stdin=terminal)
     os.close(ours)
+
+
+def test_a_device_may_be_named_for_several_outputs(hmesh):
+    Path("nothing.png").symlink_to("/dev/null")
+    hmesh.done("grey.pgm --vertices 4 --render nothing.png --strip nothing.png -q")
+    assert Path("/dev/null").is_char_device()
+    Path("nothing.png").unlink()
+    assert hmesh.run("grey.pgm --vertices 4 --render nothing.png --strip nothing.png -q").returncode == 2
 
 
 @pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
