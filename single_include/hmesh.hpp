@@ -9605,22 +9605,22 @@ class HalfedgeMesh {
         return static_cast<std::uint32_t>(h.index()) & ~deleted_flag;
     }
 
+    // The large ones are calls: a split has up to fifteen of them, which takes 6 KB of code in place.
     void set_next(Halfedge h, Halfedge n) { halfedges_.edit(h.index()).next = n; }
     void set_face(Halfedge h, Face f) { halfedges_.edit(h.index()).face = f; }
-    void set_to(Halfedge h, Vertex v) { halfedges_.edit(h.index()).to = v; }
+    HMESH_NEVER_INLINE void set_to(Halfedge h, Vertex v) { halfedges_.edit(h.index()).to = v; }
     void set_halfedge(Vertex v, Halfedge h) { vertices_.edit(v.index()).halfedge = h; }
     void set_halfedge(Face f, Halfedge h) { faces_.edit(f.index()).halfedge = h; }
-    void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
+    HMESH_NEVER_INLINE inline void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
-    // Calls, as a split has up to nine of them.
     [[nodiscard]] HMESH_NEVER_INLINE inline Vertex new_vertex();
     [[nodiscard]] HMESH_NEVER_INLINE inline Halfedge new_edge();  ///< returns the even half-edge
     [[nodiscard]] HMESH_NEVER_INLINE inline Face new_face();
     void delete_vertex(Vertex v);
-    void delete_edge(Edge e);
-    void delete_face(Face f);
+    HMESH_NEVER_INLINE inline void delete_edge(Edge e);
+    HMESH_NEVER_INLINE inline void delete_face(Face f);
     /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
-    void replace(Halfedge goes, Halfedge stays);
+    HMESH_NEVER_INLINE inline void replace(Halfedge goes, Halfedge stays);
     /// The corner of a triangle after corner k. Not (k + 1) % 3, which becomes a division where code is to be small.
     [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
 
@@ -10015,19 +10015,19 @@ inline void HalfedgeMesh::delete_vertex(Vertex v) {
     --counts_.vertices;
 }
 
-inline void HalfedgeMesh::delete_edge(Edge e) {
+void HalfedgeMesh::delete_edge(Edge e) {
     set_next(halfedge(e), free_link(counts_.free_edge));
     counts_.free_edge = static_cast<std::uint32_t>(e.index());
     --counts_.edges;
 }
 
-inline void HalfedgeMesh::delete_face(Face f) {
+void HalfedgeMesh::delete_face(Face f) {
     set_halfedge(f, free_link(counts_.free_face));
     counts_.free_face = static_cast<std::uint32_t>(f.index());
     --counts_.faces;
 }
 
-inline void HalfedgeMesh::set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c) {
+void HalfedgeMesh::set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c) {
     HalfedgeSlot& sa = halfedges_.edit(a.index());
     sa.next = b, sa.face = f;
     HalfedgeSlot& sb = halfedges_.edit(b.index());
@@ -10124,7 +10124,7 @@ inline bool HalfedgeMesh::is_collapse_ok(Halfedge h) const noexcept {
     return true;
 }
 
-inline void HalfedgeMesh::replace(Halfedge goes, Halfedge stays) {
+void HalfedgeMesh::replace(Halfedge goes, Halfedge stays) {
     const Halfedge before = previous(goes), after = next(goes);
     const Face f = face(goes);
     set_next(before, stays);
@@ -10423,7 +10423,7 @@ class ImageMesh {
     /// Whether vertices and edges on the image's border stay as they are.
     [[nodiscard]] bool has_fixed_border() const noexcept { return context_.has_fixed_border; }
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
-    [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
         const double in = inset(context_.samples);
         bool on_x = p.x == image.x + in || p.x == image.x + image.width - in;
@@ -10489,7 +10489,7 @@ class ImageMesh {
         double energy;                                      ///< energy of the mesh
     };
     /// Begins a transaction: from here on changes can be undone. Transactions nest; the inner one ends first.
-    [[nodiscard]] Mark begin() {
+    [[nodiscard]] HMESH_NEVER_INLINE Mark begin() {
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }
@@ -13525,36 +13525,18 @@ class Patch {
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
     HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                           const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
-        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
+        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]),
+          box_(whole != nullptr ? Rect() : box_of(indexed)), table_(whole != nullptr ? MomentTable<C>() : source.table(box_)),
+          mesh_(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context_of(indexed, source)) {
         const Array<std::uint32_t> vertices = std::move(numbered_.vertices);
-        Point low{1e9, 1e9}, high{-1e9, -1e9};
-        for (const std::uint32_t v : vertices) {
-            const Point p = indexed.positions[v];
-            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-        }
-        // A periodic mesh stands out of the image, also to the left and above.
-        const int x = whole != nullptr ? 0 : static_cast<int>(std::floor(low.x));
-        const int y = whole != nullptr ? 0 : static_cast<int>(std::floor(low.y));
-        origin_ = {static_cast<double>(x), static_cast<double>(y)};
-        if (whole == nullptr)
-            table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
         Array<Point> positions;
         Array<Color<C>> colors;
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
-            positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
+            positions.push_back({indexed.positions[v].x - box_.x, indexed.positions[v].y - box_.y});
             colors.push_back(indexed.colors[v]);
         }
-        PatchContext context;
-        context.image = {-x, -y, source.width(), source.height()};
-        context.is_part = !numbered_.locked.empty();
-        context.periodic = source.periodic();
-        context.has_seams = source.has_straight_seams();
-        context.samples = source.samples();
-        context.has_fixed_border = indexed.has_fixed_border;
-        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context);
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
@@ -13570,6 +13552,7 @@ class Patch {
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
+    HMESH_NEVER_INLINE ~Patch() = default;  ///< not a part of all who hold one
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
@@ -13630,7 +13613,7 @@ class Patch {
             if (is_locked(v)) continue;
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
-            out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
+            out.positions.push_back({p.x + box_.x, p.y + box_.y});
             out.colors.push_back(detail::tight<C>(mesh_.color(v)));
             out.dirty.push_back(mesh_.is_dirty(v) ? 1 : 0);
         }
@@ -13651,9 +13634,31 @@ class Patch {
     }
 
   private:
+    /// The pixels around all vertices of the patch. A periodic mesh stands out of the image, also to the left and above.
+    [[nodiscard]] HMESH_PATCHWISE Rect box_of(const IndexedMesh<C>& indexed) const {
+        Point low{1e9, 1e9}, high{-1e9, -1e9};
+        for (const std::uint32_t v : numbered_.vertices) {
+            const Point p = indexed.positions[v];
+            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+        }
+        const int x = static_cast<int>(std::floor(low.x)), y = static_cast<int>(std::floor(low.y));
+        return {x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y};
+    }
+    [[nodiscard]] PatchContext context_of(const IndexedMesh<C>& indexed, const ImageSource<C>& source) const {
+        PatchContext context;
+        context.image = {-box_.x, -box_.y, source.width(), source.height()};
+        context.is_part = !numbered_.locked.empty();
+        context.periodic = source.periodic();
+        context.has_seams = source.has_straight_seams();
+        context.samples = source.samples();
+        context.has_fixed_border = indexed.has_fixed_border;
+        return context;
+    }
+
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
-    Point origin_;
+    Rect box_;          ///< that the table of its own is of; or none, at the origin
     double first_energy_ = 0;
     Array<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty
@@ -13933,8 +13938,8 @@ class TiledMesh {
     using PatchWork = FunctionRef<void(Patch<C>& patch, std::size_t tile)>;
 
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
-    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
-              const ParallelFor& parallel_for = {})
+    HMESH_NEVER_INLINE HMESH_COLD TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
+                                            const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
     /// The image to be meshed.

@@ -167,7 +167,7 @@ class ImageMesh {
     /// Whether vertices and edges on the image's border stay as they are.
     [[nodiscard]] bool has_fixed_border() const noexcept { return context_.has_fixed_border; }
     /// The mobility of a vertex at p: Mobility::free unless p is on the image's border.
-    [[nodiscard]] Mobility mobility_at(Point p) const noexcept {
+    [[nodiscard]] HMESH_NEVER_INLINE Mobility mobility_at(Point p) const noexcept {
         const Rect& image = context_.image;
         const double in = inset(context_.samples);
         bool on_x = p.x == image.x + in || p.x == image.x + image.width - in;
@@ -233,7 +233,7 @@ class ImageMesh {
         double energy;                                      ///< energy of the mesh
     };
     /// Begins a transaction: from here on changes can be undone. Transactions nest; the inner one ends first.
-    [[nodiscard]] Mark begin() {
+    [[nodiscard]] HMESH_NEVER_INLINE Mark begin() {
         ++depth_;
         return {topology_.begin(), vertices_.mark(), moments_.mark(), energies_.mark(), energy_};
     }

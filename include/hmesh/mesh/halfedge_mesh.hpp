@@ -199,22 +199,22 @@ class HalfedgeMesh {
         return static_cast<std::uint32_t>(h.index()) & ~deleted_flag;
     }
 
+    // The large ones are calls: a split has up to fifteen of them, which takes 6 KB of code in place.
     void set_next(Halfedge h, Halfedge n) { halfedges_.edit(h.index()).next = n; }
     void set_face(Halfedge h, Face f) { halfedges_.edit(h.index()).face = f; }
-    void set_to(Halfedge h, Vertex v) { halfedges_.edit(h.index()).to = v; }
+    HMESH_NEVER_INLINE void set_to(Halfedge h, Vertex v) { halfedges_.edit(h.index()).to = v; }
     void set_halfedge(Vertex v, Halfedge h) { vertices_.edit(v.index()).halfedge = h; }
     void set_halfedge(Face f, Halfedge h) { faces_.edit(f.index()).halfedge = h; }
-    void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
+    HMESH_NEVER_INLINE inline void set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c);
 
-    // Calls, as a split has up to nine of them.
     [[nodiscard]] HMESH_NEVER_INLINE inline Vertex new_vertex();
     [[nodiscard]] HMESH_NEVER_INLINE inline Halfedge new_edge();  ///< returns the even half-edge
     [[nodiscard]] HMESH_NEVER_INLINE inline Face new_face();
     void delete_vertex(Vertex v);
-    void delete_edge(Edge e);
-    void delete_face(Face f);
+    HMESH_NEVER_INLINE inline void delete_edge(Edge e);
+    HMESH_NEVER_INLINE inline void delete_face(Face f);
     /// Puts `stays`, an edge of a face to be deleted, in the place of `goes` in the adjacent face (or boundary).
-    void replace(Halfedge goes, Halfedge stays);
+    HMESH_NEVER_INLINE inline void replace(Halfedge goes, Halfedge stays);
     /// The corner of a triangle after corner k. Not (k + 1) % 3, which becomes a division where code is to be small.
     [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
 

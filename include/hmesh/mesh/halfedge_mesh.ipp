@@ -259,19 +259,19 @@ inline void HalfedgeMesh::delete_vertex(Vertex v) {
     --counts_.vertices;
 }
 
-inline void HalfedgeMesh::delete_edge(Edge e) {
+void HalfedgeMesh::delete_edge(Edge e) {
     set_next(halfedge(e), free_link(counts_.free_edge));
     counts_.free_edge = static_cast<std::uint32_t>(e.index());
     --counts_.edges;
 }
 
-inline void HalfedgeMesh::delete_face(Face f) {
+void HalfedgeMesh::delete_face(Face f) {
     set_halfedge(f, free_link(counts_.free_face));
     counts_.free_face = static_cast<std::uint32_t>(f.index());
     --counts_.faces;
 }
 
-inline void HalfedgeMesh::set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c) {
+void HalfedgeMesh::set_triangle(Face f, Halfedge a, Halfedge b, Halfedge c) {
     HalfedgeSlot& sa = halfedges_.edit(a.index());
     sa.next = b, sa.face = f;
     HalfedgeSlot& sb = halfedges_.edit(b.index());
@@ -368,7 +368,7 @@ inline bool HalfedgeMesh::is_collapse_ok(Halfedge h) const noexcept {
     return true;
 }
 
-inline void HalfedgeMesh::replace(Halfedge goes, Halfedge stays) {
+void HalfedgeMesh::replace(Halfedge goes, Halfedge stays) {
     const Halfedge before = previous(goes), after = next(goes);
     const Face f = face(goes);
     set_next(before, stays);

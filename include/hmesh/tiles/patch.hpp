@@ -228,36 +228,18 @@ class Patch {
     /// patch; null: the patch makes one of its own bounding box. The executor fills in edges and faces.
     HMESH_PATCHWISE Patch(const IndexedMesh<C>& indexed, const ImageSource<C>& source, const detail::Cut& cut, std::size_t tile,
                           const MeshLimits& limits, const MomentTable<C>* whole = nullptr, const ParallelFor& parallel_for = {})
-        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]) {
+        : numbered_(detail::renumber(indexed.faces, cut, tile)), free_(cut.free_count[tile]),
+          box_(whole != nullptr ? Rect() : box_of(indexed)), table_(whole != nullptr ? MomentTable<C>() : source.table(box_)),
+          mesh_(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context_of(indexed, source)) {
         const Array<std::uint32_t> vertices = std::move(numbered_.vertices);
-        Point low{1e9, 1e9}, high{-1e9, -1e9};
-        for (const std::uint32_t v : vertices) {
-            const Point p = indexed.positions[v];
-            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-        }
-        // A periodic mesh stands out of the image, also to the left and above.
-        const int x = whole != nullptr ? 0 : static_cast<int>(std::floor(low.x));
-        const int y = whole != nullptr ? 0 : static_cast<int>(std::floor(low.y));
-        origin_ = {static_cast<double>(x), static_cast<double>(y)};
-        if (whole == nullptr)
-            table_ = source.table({x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y});
         Array<Point> positions;
         Array<Color<C>> colors;
         positions.reserve(vertices.size());
         colors.reserve(vertices.size());
         for (const std::uint32_t v : vertices) {
-            positions.push_back({indexed.positions[v].x - x, indexed.positions[v].y - y});
+            positions.push_back({indexed.positions[v].x - box_.x, indexed.positions[v].y - box_.y});
             colors.push_back(indexed.colors[v]);
         }
-        PatchContext context;
-        context.image = {-x, -y, source.width(), source.height()};
-        context.is_part = !numbered_.locked.empty();
-        context.periodic = source.periodic();
-        context.has_seams = source.has_straight_seams();
-        context.samples = source.samples();
-        context.has_fixed_border = indexed.has_fixed_border;
-        mesh_ = ImageMesh<C>(whole != nullptr ? *whole : table_, source.low(), source.high(), limits, context);
         const Status status = mesh_.assign(positions, numbered_.faces, colors, parallel_for);
         HMESH_ASSERT(status);
         (void)status;
@@ -273,6 +255,7 @@ class Patch {
     }
     Patch(const Patch&) = delete;
     Patch& operator=(const Patch&) = delete;
+    HMESH_NEVER_INLINE ~Patch() = default;  ///< not a part of all who hold one
 
     /// The mesh to work on; coordinates are those of the patch's table, px from its upper left corner.
     [[nodiscard]] ImageMesh<C>& mesh() noexcept { return mesh_; }
@@ -333,7 +316,7 @@ class Patch {
             if (is_locked(v)) continue;
             number[v.index()] = static_cast<std::uint32_t>(out.positions.size());
             const Point p = mesh_.position(v);
-            out.positions.push_back({p.x + origin_.x, p.y + origin_.y});
+            out.positions.push_back({p.x + box_.x, p.y + box_.y});
             out.colors.push_back(detail::tight<C>(mesh_.color(v)));
             out.dirty.push_back(mesh_.is_dirty(v) ? 1 : 0);
         }
@@ -354,9 +337,31 @@ class Patch {
     }
 
   private:
+    /// The pixels around all vertices of the patch. A periodic mesh stands out of the image, also to the left and above.
+    [[nodiscard]] HMESH_PATCHWISE Rect box_of(const IndexedMesh<C>& indexed) const {
+        Point low{1e9, 1e9}, high{-1e9, -1e9};
+        for (const std::uint32_t v : numbered_.vertices) {
+            const Point p = indexed.positions[v];
+            low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+            high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+        }
+        const int x = static_cast<int>(std::floor(low.x)), y = static_cast<int>(std::floor(low.y));
+        return {x, y, static_cast<int>(std::ceil(high.x)) - x, static_cast<int>(std::ceil(high.y)) - y};
+    }
+    [[nodiscard]] PatchContext context_of(const IndexedMesh<C>& indexed, const ImageSource<C>& source) const {
+        PatchContext context;
+        context.image = {-box_.x, -box_.y, source.width(), source.height()};
+        context.is_part = !numbered_.locked.empty();
+        context.periodic = source.periodic();
+        context.has_seams = source.has_straight_seams();
+        context.samples = source.samples();
+        context.has_fixed_border = indexed.has_fixed_border;
+        return context;
+    }
+
     detail::PatchFaces numbered_;
     std::size_t free_;  ///< slots [0, free_) began as free vertices, then come the locked ones, later slots are new vertices
-    Point origin_;
+    Rect box_;          ///< that the table of its own is of; or none, at the origin
     double first_energy_ = 0;
     Array<Vertex> was_locked_;
     MomentTable<C> table_;  ///< of its own, or empty

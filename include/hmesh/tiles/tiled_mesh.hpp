@@ -48,8 +48,8 @@ class TiledMesh {
     using PatchWork = FunctionRef<void(Patch<C>& patch, std::size_t tile)>;
 
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
-    TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
-              const ParallelFor& parallel_for = {})
+    HMESH_NEVER_INLINE HMESH_COLD TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
+                                            const ParallelFor& parallel_for = {})
         : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
 
     /// The image to be meshed.
