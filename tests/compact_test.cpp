@@ -710,7 +710,7 @@ TEST_CASE("what the bare profile does not say is refused, and what it says wrong
         CHECK(says(other, "no bare compact mesh of a version known"));
         CHECK(other.value == kind);
     }
-    for (const std::size_t side : {1, 2})
+    for (const std::size_t side : {1U, 2U})
         for (const std::uint32_t none : {0U, 65537U}) {
             CHECK(says(status(side, varint(none)), "sides of 1 to 65536 px"));
             CHECK(status(side, varint(none)).value == none);
@@ -786,7 +786,7 @@ TEST_CASE("numbers in a head that this version does not write are refused") {
     CHECK(!status(16, {16 | 0x80, 0}));                  // longer than it need be
     CHECK(!status(19, {0x80, 0x80, 0x80, 0x80, 0x10}));  // 2^32, whose lower bits are those of 0
     CHECK(!status(19, {0x80, 0x80, 0x80, 0x80, 0x80, 0}));
-    for (const std::size_t side : {16, 17}) {
+    for (const std::size_t side : {16U, 17U}) {
         CHECK(status(side, varint(65537)).value == 65537);
         CHECK(status(side, varint(65537)).limit == 65536);
         CHECK(status(side, {1}, 32).limit == 2);  // of points
