@@ -9629,10 +9629,10 @@ class HalfedgeMesh {
                                                                  const std::vector<Triangle>& triangles);
     [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
     [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
-    [[nodiscard]] Status check_vertex(Vertex v) const;
+    [[nodiscard]] HMESH_COLD Status check_vertex(Vertex v) const;
     /// Whether each vertex has one fan: a turn around it meets all half-edges that leave it, as many as told, and no neighbour
     /// twice. `boundary`: of each vertex how many of them are on the boundary.
-    [[nodiscard]] Status check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const;
+    [[nodiscard]] HMESH_COLD Status check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const;
 
     UndoArray<HalfedgeSlot> halfedges_;
     UndoArray<Slot> vertices_, faces_;
@@ -10556,7 +10556,7 @@ class ImageMesh {
     /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
-    Status refuse(const Status& status);
+    HMESH_COLD Status refuse(const Status& status);
     /// Ends a transaction; the outermost one forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;
@@ -12667,7 +12667,7 @@ namespace hmesh::kit {
 template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
     Array<Point> vertices;
-    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) {
+    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) HMESH_COLD {
         Array<double> samples;
         source.with_window(side, [&](const SourceWindow<C>& window) {
             for (int i = 0; i < std::max(side.width, side.height); ++i) {
@@ -12841,7 +12841,7 @@ template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap largest;
-    const auto push = [&](Face f) {
+    const auto push = [&](Face f) HMESH_COLD {
         const auto v = topology.vertices(f);
         largest.push(static_cast<std::uint32_t>(f.index()),
                      -orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])));
@@ -14872,11 +14872,11 @@ template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> side_points(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
     Array<double> bends;  // of the sides, one after another
-    const auto add_side = [&](const Rect& side) {
+    const auto add_side = [&](const Rect& side) HMESH_COLD {
         const auto length = static_cast<std::size_t>(std::max(side.width, side.height));
         const std::size_t first = bends.size();
         bends.resize(first + length, 0.0);
-        source.with_window(side, [&](const SourceWindow<C>& window) {
+        source.with_window(side, [&](const SourceWindow<C>& window) HMESH_COLD {
             const auto at = [&](std::size_t k) {
                 const int i = static_cast<int>(std::min(k, length - 1));
                 return window.pixel(side.width > 1 ? side.x + i : side.x, side.width > 1 ? side.y : side.y + i);
@@ -15095,7 +15095,7 @@ class ValenceBound {
 
     /// Whether v has few enough edges in the end. A new vertex takes about `limit` edges, and those around v must have room for
     /// the next ones: their last places are kept for a second and a third layer of them.
-    bool apply(Vertex v) {
+    HMESH_COLD bool apply(Vertex v) {
         for (const int kept : {4, 2, 0}) {
             most_ = limit_ - kept;
             for (bool is_better = true; is_better && topology_->valence(v) > limit_;) {
@@ -15124,7 +15124,7 @@ class ValenceBound {
                has_room(left) && has_room(right);
     }
     /// Turns spokes of v as long as there are too many, round after round.
-    void flip_spokes(Vertex v) {
+    HMESH_COLD void flip_spokes(Vertex v) {
         int valence = topology_->valence(v), misses = 0;
         for (Halfedge h = topology_->halfedge(v); valence > limit_ && misses < valence;) {
             const Halfedge next = topology_->next(HalfedgeMesh::opposite(h));

@@ -27,7 +27,7 @@ template <int C>
 HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
     const HalfedgeMesh& topology = mesh.topology();
     IndexedHeap largest;
-    const auto push = [&](Face f) {
+    const auto push = [&](Face f) HMESH_COLD {
         const auto v = topology.vertices(f);
         largest.push(static_cast<std::uint32_t>(f.index()),
                      -orient2d(mesh.position(v[0]), mesh.position(v[1]), mesh.position(v[2])));

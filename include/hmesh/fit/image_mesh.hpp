@@ -300,7 +300,7 @@ class ImageMesh {
     /// Why these cannot be the vertices of the mesh, or ok.
     [[nodiscard]] Status check_vertices(const Array<Point>& positions, const Array<Color<C>>& colors) const noexcept;
     /// Empties the mesh and returns the status.
-    Status refuse(const Status& status);
+    HMESH_COLD Status refuse(const Status& status);
     /// Ends a transaction; the outermost one forgets all notes.
     void close() noexcept {
         if (--depth_ > 0) return;

@@ -223,10 +223,10 @@ class HalfedgeMesh {
                                                                  const std::vector<Triangle>& triangles);
     [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
     [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
-    [[nodiscard]] Status check_vertex(Vertex v) const;
+    [[nodiscard]] HMESH_COLD Status check_vertex(Vertex v) const;
     /// Whether each vertex has one fan: a turn around it meets all half-edges that leave it, as many as told, and no neighbour
     /// twice. `boundary`: of each vertex how many of them are on the boundary.
-    [[nodiscard]] Status check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const;
+    [[nodiscard]] HMESH_COLD Status check_fans(const Array<std::uint32_t>& leaving, const Array<unsigned char>& boundary) const;
 
     UndoArray<HalfedgeSlot> halfedges_;
     UndoArray<Slot> vertices_, faces_;

@@ -133,7 +133,7 @@ class ValenceBound {
 
     /// Whether v has few enough edges in the end. A new vertex takes about `limit` edges, and those around v must have room for
     /// the next ones: their last places are kept for a second and a third layer of them.
-    bool apply(Vertex v) {
+    HMESH_COLD bool apply(Vertex v) {
         for (const int kept : {4, 2, 0}) {
             most_ = limit_ - kept;
             for (bool is_better = true; is_better && topology_->valence(v) > limit_;) {
@@ -162,7 +162,7 @@ class ValenceBound {
                has_room(left) && has_room(right);
     }
     /// Turns spokes of v as long as there are too many, round after round.
-    void flip_spokes(Vertex v) {
+    HMESH_COLD void flip_spokes(Vertex v) {
         int valence = topology_->valence(v), misses = 0;
         for (Halfedge h = topology_->halfedge(v); valence > limit_ && misses < valence;) {
             const Halfedge next = topology_->next(HalfedgeMesh::opposite(h));

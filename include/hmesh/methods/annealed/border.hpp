@@ -28,7 +28,7 @@ namespace hmesh::kit {
 template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> border_vertices(const ImageSource<C>& source, double tolerance) {
     Array<Point> vertices;
-    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) {
+    const auto add_side = [&](const Rect& side, bool has_ends, FunctionRef<Point(int i)> place) HMESH_COLD {
         Array<double> samples;
         source.with_window(side, [&](const SourceWindow<C>& window) {
             for (int i = 0; i < std::max(side.width, side.height); ++i) {

@@ -73,11 +73,11 @@ template <int C>
 [[nodiscard]] HMESH_COLD Array<Point> side_points(const ImageSource<C>& source, double count) {
     const int width = source.width(), height = source.height();
     Array<double> bends;  // of the sides, one after another
-    const auto add_side = [&](const Rect& side) {
+    const auto add_side = [&](const Rect& side) HMESH_COLD {
         const auto length = static_cast<std::size_t>(std::max(side.width, side.height));
         const std::size_t first = bends.size();
         bends.resize(first + length, 0.0);
-        source.with_window(side, [&](const SourceWindow<C>& window) {
+        source.with_window(side, [&](const SourceWindow<C>& window) HMESH_COLD {
             const auto at = [&](std::size_t k) {
                 const int i = static_cast<int>(std::min(k, length - 1));
                 return window.pixel(side.width > 1 ? side.x + i : side.x, side.width > 1 ? side.y : side.y + i);
