@@ -10,8 +10,8 @@
 /// least-squares one. o and s are AnnealedSteps::points and annealing.sweeps; collapse is left out where o = 1, annealing where
 /// s = 0.
 ///
-/// A mesh to go on from (Annealed::start) takes the place of the points and the collapse: the cheapest vertices are removed, or
-/// the best ones inserted, until there are n.
+/// A mesh to go on from (Annealed::start) takes the place of the points: the cheapest vertices are removed, or the best ones
+/// inserted, until there are n.
 ///
 /// All stages but the triangulation work in patches (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace
 /// of their seams remains; in a patch, block by block (edit/blocks.hpp).
@@ -188,8 +188,8 @@ class AnnealedRun {
         return reach_vertex_count(*tiled_, n_, steps_.relaxation,
                                   [&](int k) -> const Tiling& { return tilings_[phase_ = first + k]; });
     }
-    /// Removes most of what a mesh to start from has too much. reach() does that in batches of 1/32, of which 16 n vertices take
-    /// five times as long. What large ones spoil annealing mends; without it half as many again are left to small ones.
+    /// Removes most of what a mesh to start from has too much. reach() alone, in batches of 1/32, takes two to four times as long
+    /// from 16 n vertices. What large batches spoil annealing mends; without it half of n more are left to the small ones.
     HMESH_COLD bool come_near() {
         const std::size_t more = n_ + n_ / 2;
         if (tiled_->vertex_count() <= more) return true;
