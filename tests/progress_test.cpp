@@ -507,13 +507,15 @@ TEST_CASE("the work of a run is that of the stages it has, and less from a mesh 
         CHECK(work.sum() > work.settle + work.collapse + work.anneal);
         Annealed recipe = annealed(effort);
         CHECK(recipe.work(512, 512, 2621) == work.sum());
-        hmesh::Mesh any;
-        any.positions.resize(2621);
+        hmesh::Mesh any;  // as searches ask what it will take to go on from a mesh that is not there yet
         recipe.start = &any;
         const double as_many = recipe.work(512, 512, 2621);
         CHECK(as_many == hmesh::kit::annealed_work(steps, 262144, 2621, 2621).sum());
         CHECK(as_many < work.sum());
-        any.positions.resize(26210);
+        any.positions.resize(2 * std::size_t{2621});
+        CHECK(recipe.work(512, 512, 2621) == as_many);
+        any.positions.resize(2 * std::size_t{26210});
+        CHECK(recipe.work(512, 512, 2621) == hmesh::kit::annealed_work(steps, 262144, 2621, 26210).sum());
         CHECK(recipe.work(512, 512, 2621) > as_many + work.collapse);
     }
 }
