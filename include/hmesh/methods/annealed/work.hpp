@@ -26,6 +26,9 @@ struct AnnealedWork {
     [[nodiscard]] double sum() const noexcept { return start + settle + collapse + anneal + polish + colors; }
 };
 
+/// The work of a removal in a collapse, its share in the costs of others included.
+inline constexpr double removal_work = 16;
+
 /// The work of a run for n vertices with these steps, of an image of so many pixels, from a mesh of `from` vertices; 0: from
 /// points.
 [[nodiscard]] HMESH_COLD inline AnnealedWork annealed_work(const AnnealedSteps& steps, double pixels, double n,
@@ -33,10 +36,10 @@ struct AnnealedWork {
     AnnealedWork work;
     const double points = steps.points * n;
     const bool has_start = from > 0;
-    work.start = 0.045 * pixels + (has_start ? 4 * n + 16 * std::max(0.0, from - n) : 1.3 * points);
+    work.start = 0.045 * pixels + (has_start ? 4 * n + removal_work * std::max(0.0, from - n) : 1.3 * points);
     if (!has_start) {
         work.settle = 0.9 * points * steps.settle_rounds;
-        if (steps.points > 1) work.collapse = 16 * n * (steps.points - 1);
+        if (steps.points > 1) work.collapse = removal_work * n * (steps.points - 1);
     }
     if (steps.annealing.sweeps > 0)
         work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
@@ -50,7 +53,7 @@ struct AnnealedWork {
                                                           double n) noexcept {
     AnnealedWork work = annealed_work(steps, pixels, n, from);
     work.start = 0;
-    work.collapse = 16 * (from - n);
+    work.collapse = removal_work * (from - n);
     return work;
 }
 
