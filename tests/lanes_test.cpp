@@ -200,3 +200,17 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
     CHECK(product[2] == 32767);
     CHECK(product[3] == 0);
 }
+
+TEST_CASE("widen() writes the 16 bytes from any place on, and nothing beyond them") {
+    std::uint8_t bytes[256];
+    for (int i = 0; i < 256; ++i) bytes[i] = static_cast<std::uint8_t>(i * 167 + 3);  // all of them
+    for (int at = 0; at + 16 <= 256; ++at) {
+        std::int16_t to[19];
+        for (std::int16_t& number : to) number = -1;
+        hmesh::kit::widen(bytes + at, to + 1 + at % 2);
+        for (int i = 0; i < 19; ++i) {
+            const int k = i - 1 - at % 2;
+            CHECK(to[i] == (k >= 0 && k < 16 ? bytes[at + k] : -1));
+        }
+    }
+}

@@ -509,6 +509,27 @@ struct IntLanes {
     }
 };
 
+/// Writes 16 bytes as integers of 16 bits. Neither need be aligned, nor do they overlap. Three instructions, where compilers read
+/// and write numbers that may overlap one by one.
+HMESH_ALWAYS_INLINE void widen(const std::uint8_t* from, std::int16_t* to) noexcept {
+#if defined(HMESH_HAS_INT_REGISTERS)
+    using Bytes = std::uint8_t __attribute__((vector_size(16)));
+    Bytes bytes;
+    std::memcpy(&bytes, from, sizeof bytes);
+#if defined(__clang__)
+    const Bytes low = __builtin_shufflevector(bytes, Bytes{}, 0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23);
+    const Bytes high = __builtin_shufflevector(bytes, Bytes{}, 8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31);
+#else
+    const Bytes low = __builtin_shuffle(bytes, Bytes{}, Bytes{0, 16, 1, 17, 2, 18, 3, 19, 4, 20, 5, 21, 6, 22, 7, 23});
+    const Bytes high = __builtin_shuffle(bytes, Bytes{}, Bytes{8, 24, 9, 25, 10, 26, 11, 27, 12, 28, 13, 29, 14, 30, 15, 31});
+#endif
+    std::memcpy(to, &low, sizeof low);
+    std::memcpy(to + 8, &high, sizeof high);
+#else
+    for (int i = 0; i < 16; ++i) to[i] = from[i];
+#endif
+}
+
 }  // namespace hmesh::kit
 
 #undef HMESH_HAS_ELEMENTWISE_SQRT

@@ -16,6 +16,7 @@
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/lanes.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/core/status.hpp"
@@ -206,7 +207,10 @@ void read_pixels(const ImageView<T, C>& view, int x, int y, int count, Number* t
     const T* const later = view.pixel(x, std::min(y + 4, view.height - 1));
     constexpr int in_line = sizeof(T) < 64 ? static_cast<int>(64 / sizeof(T)) : 1;  // samples may be larger than a cache line
     for (int i = 0; i < count * C; i += in_line) HMESH_PREFETCH(later + i);
-    for (int i = 0; i < count * C; ++i) to[i] = static_cast<Number>(PixelTraits<T>::to_real(from[i]));
+    int i = 0;
+    if constexpr (std::is_same_v<T, std::uint8_t> && std::is_same_v<Number, std::int16_t>)
+        for (; count * C - i >= 16; i += 16) widen(from + i, to + i);
+    for (; i < count * C; ++i) to[i] = static_cast<Number>(PixelTraits<T>::to_real(from[i]));
 }
 
 /// Whether all samples are finite as floats, which is what meshes hold; otherwise not_finite. Costs nothing for integer
