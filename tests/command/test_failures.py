@@ -51,7 +51,10 @@ def test_a_failure_is_told_in_one_sentence_and_writes_nothing(hmesh, sentence, a
 
 @pytest.mark.skipif(not Path("/dev/zero").is_char_device(), reason="there is no /dev/zero")
 def test_what_is_no_image_is_refused_before_its_end(hmesh):
-    hmesh.fails("'/dev/zero': it is in no format", "/dev/zero -o new.ply", **limit(resource.RLIMIT_AS, 1 << 30))
+    within = limit(resource.RLIMIT_AS, 1 << 30)
+    if hmesh.run("--version", **within).returncode != 0:
+        pytest.skip("the address sanitizer takes more")
+    hmesh.fails("'/dev/zero': it is in no format", "/dev/zero -o new.ply", **within)
 
 
 def test_a_folder_is_not_written(hmesh):
