@@ -4,6 +4,7 @@ import errno
 import json
 import os
 import re
+import resource
 import shlex
 import shutil
 import stat
@@ -102,6 +103,13 @@ class Command:
         self.done(arguments + " --report report.json")
         return json.loads(Path("report.json").read_text(encoding="utf-8"))
 
+    def within_memory(self, size):
+        """For run(): within so many bytes of addresses, where that is enough for the program alone."""
+        how = limit(resource.RLIMIT_AS, size)
+        if self.run("--version", **how).returncode != 0:
+            pytest.skip("the address sanitizer takes more")
+        return how
+
     def fails(self, sentence, arguments, **how):
         """It must exit with 1, say one sentence that holds this one, and leave no part of a file."""
         try:
@@ -111,6 +119,11 @@ class Command:
                 raise
             pytest.skip(str(error))  # of preexec_fn
         is_failure(run, sentence)
+
+
+def limit(what, size):
+    """For run(): no more than so many bytes. Python has SIGXFSZ ignored, and so has what it starts."""
+    return {"preexec_fn": lambda: resource.setrlimit(what, (size, size)), "restore_signals": False}
 
 
 def send_once_caught(job, which, delay):

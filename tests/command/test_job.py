@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 import dems
-from conftest import contents, is_failure, read, rows
+from conftest import contents, is_failure, limit, read, rows
 from dems import ground, judge, read_model, with_holes
 from jobs import finish, forge, kill_session, phases, receipts, run, sums, tiles
 
@@ -123,12 +123,8 @@ def test_a_full_disk_leaves_nothing_of_a_whole(terrain):
     plan(terrain)
     finish(terrain)
     before = contents()
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
-
     for output in ["whole.ply", "whole.obj", "whole.glb", "served"]:
-        terrain.fails("cannot write '", f"job join job -o {output}", preexec_fn=limit, restore_signals=False)
+        terrain.fails("cannot write '", f"job join job -o {output}", **limit(resource.RLIMIT_FSIZE, 1024))
     assert contents() == before
 
 
@@ -466,11 +462,7 @@ def test_a_full_disk_loses_no_finished_task(terrain):
     first, _, _ = plan(terrain)
     run(terrain, first[:3])
     before = contents()
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
-
-    terrain.fails("cannot write 'job/tiles/0/0003_0000.glb'", f"job run job {first[3]} -q", preexec_fn=limit, restore_signals=False)
+    terrain.fails("cannot write 'job/tiles/0/0003_0000.glb'", f"job run job {first[3]} -q", **limit(resource.RLIMIT_FSIZE, 1024))
     assert contents() == before
     finish(terrain)
     terrain.done("job status job -q")

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 import dems
-from conftest import as_others, contents, is_failure, read, rows, send_once_caught
+from conftest import as_others, contents, is_failure, limit, read, rows, send_once_caught
 from dems import ground, judge, read_model, with_holes
 from jobs import finish, forge, phases
 
@@ -997,11 +997,7 @@ def test_a_full_disk_is_the_reason_and_is_not_replaced(terrain, full, kind):
 def test_a_disk_that_fills_up_leaves_what_was_there(terrain, kind):
     write("dem.pgm", dems.pgm(ground(60, 60)))
     write(f"keep.{kind}", b"old")
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (1024, 1024))
-
-    terrain.fails(f"'keep.{kind}'", f"dem.pgm -o keep.{kind} --max-error 1 {extent_for(kind)}", preexec_fn=limit, restore_signals=False)
+    terrain.fails(f"'keep.{kind}'", f"dem.pgm -o keep.{kind} --max-error 1 {extent_for(kind)}", **limit(resource.RLIMIT_FSIZE, 1024))
     assert read(f"keep.{kind}") == b"old"
 
 

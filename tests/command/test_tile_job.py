@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from conftest import contents, is_failure, is_whole, read, rows
+from conftest import contents, is_failure, is_whole, limit, read, rows
 from jobs import finish, forge, phases, receipts, run, sums, tiles
 from test_psnr import psnr_of, read_glb, read_ply
 
@@ -474,11 +474,7 @@ def test_a_full_disk_loses_no_finished_task(hmesh):
     looks, shares, made, _, _ = plan(hmesh)
     run(hmesh, looks + shares + made[:2])
     before = contents()
-
-    def limit():
-        resource.setrlimit(resource.RLIMIT_FSIZE, (100, 100))
-
-    hmesh.fails("cannot write", f"job run job {made[3]} -q", preexec_fn=limit, restore_signals=False)
+    hmesh.fails("cannot write", f"job run job {made[3]} -q", **limit(resource.RLIMIT_FSIZE, 100))
     assert contents() == before
     finish(hmesh)
 
