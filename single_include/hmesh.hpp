@@ -1445,8 +1445,8 @@ struct IntLanes {
     }
 };
 
-/// Writes 16 bytes as integers of 16 bits. Neither need be aligned, nor do they overlap. Three instructions, where compilers read
-/// and write numbers that may overlap one by one.
+/// Writes 16 bytes as integers of 16 bits. Neither need be aligned; they must not overlap, which g++ takes for possible of what a
+/// loop writes, so that below -O3 it converts them one by one.
 HMESH_ALWAYS_INLINE void widen(const std::uint8_t* from, std::int16_t* to) noexcept {
 #if defined(HMESH_HAS_INT_REGISTERS)
     using Bytes = std::uint8_t __attribute__((vector_size(16)));
