@@ -32,6 +32,7 @@
 #include "hmesh/render.hpp"
 #include "hmesh/solve/linear_light.hpp"
 #include "hmesh/sprite.hpp"
+#include "point_colors.hpp"
 #include "test_executors.hpp"
 #include "test_exports.hpp"
 #include "test_images.hpp"
@@ -62,38 +63,7 @@ Options of_points(const Target& target) {
     return options;
 }
 
-// --- told without the library: whole numbers of 1/256 px, and a search through all faces for each sample ---
-
-struct Corner {
-    std::int64_t x, y;
-};
-
-std::int64_t twice_area(Corner a, Corner b, Corner c) { return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y); }
-
-Corner corner_of(const Mesh& mesh, std::uint32_t v) {
-    const auto units = [](float x) { return static_cast<std::int64_t>(std::llround(256 * static_cast<double>(x))); };
-    return {units(mesh.positions[2 * std::size_t{v}]), units(mesh.positions[2 * std::size_t{v} + 1])};
-}
-
-// The colour of the mesh at sample (i, j): that of any face which holds it, since they agree on their edges. NaN: none does.
-std::vector<double> color_at(const Mesh& mesh, int i, int j) {
-    const auto channels = static_cast<std::size_t>(mesh.channels);
-    const Corner p{256 * std::int64_t{i}, 256 * std::int64_t{j}};
-    for (const hmesh::Triangle& face : mesh.faces) {
-        const Corner a = corner_of(mesh, face[0]), b = corner_of(mesh, face[1]), c = corner_of(mesh, face[2]);
-        const std::int64_t at_a = twice_area(p, b, c), at_b = twice_area(a, p, c), at_c = twice_area(a, b, p);
-        if (at_a < 0 || at_b < 0 || at_c < 0) continue;
-        std::vector<double> color(channels);
-        for (std::size_t k = 0; k < channels; ++k) {
-            const auto of = [&](std::size_t n) { return static_cast<double>(mesh.colors[channels * face[n] + k]); };
-            color[k] =
-                (static_cast<double>(at_a) * of(0) + static_cast<double>(at_b) * of(1) + static_cast<double>(at_c) * of(2)) /
-                static_cast<double>(twice_area(a, b, c));
-        }
-        return color;
-    }
-    return std::vector<double>(channels, std::numeric_limits<double>::quiet_NaN());
-}
+// --- told without the library: a search through all faces for each sample ---
 
 struct Errors {
     double energy = 0, largest = 0;
@@ -107,7 +77,7 @@ Errors errors_of(const Image<T, C>& image, const Mesh& mesh, const hmesh::ImageV
         for (int i = 0; i < image.width(); ++i) heaviest = std::max(heaviest, *weights.pixel(i, j));
     for (int j = 0; j < image.height(); ++j)
         for (int i = 0; i < image.width(); ++i) {
-            const std::vector<double> color = color_at(mesh, i, j);
+            const std::vector<double> color = hmesh_test::color_at(mesh, i, j);
             const double weight =
                 weights.data == nullptr ? 1 : static_cast<double>(*weights.pixel(i, j)) / static_cast<double>(heaviest);
             for (std::size_t k = 0; k < C; ++k) {
@@ -349,7 +319,7 @@ TEST_CASE("weights of pixels and channels, tiles, executors and starts are for p
     double largest = 0;
     for (int j = 0; j < height; ++j)
         for (int i = 0; i < width; ++i) {
-            const std::vector<double> color = color_at(scaled.mesh, i, j);
+            const std::vector<double> color = hmesh_test::color_at(scaled.mesh, i, j);
             for (std::size_t k = 0; k < 2; ++k) largest = std::max(largest, std::abs(color[k] - image.pixel(i, j)[k]));
         }
     CHECK(scaled.report.max_error == doctest::Approx(largest).epsilon(1e-6));

@@ -89,11 +89,10 @@ inline std::vector<Drawn> read_shading(const std::string& entries, const std::st
     REQUIRE(decode.size() == 4 + 2 * components);
     std::size_t bit = 0;
     const auto number = [&](double bits) {
+        const std::size_t end = bit + static_cast<std::size_t>(bits);
+        REQUIRE(end <= 8 * data.size());
         std::uint64_t value = 0;
-        for (int i = 0; i < static_cast<int>(bits); ++i, ++bit) {
-            REQUIRE(bit / 8 < data.size());
-            value = 2 * value + ((static_cast<unsigned char>(data[bit / 8]) >> (7 - bit % 8)) & 1U);
-        }
+        for (; bit < end; ++bit) value = 2 * value + ((static_cast<unsigned char>(data[bit / 8]) >> (7 - bit % 8)) & 1U);
         return static_cast<double>(value);
     };
     const auto decoded = [&](std::size_t i, double bits) {

@@ -1,0 +1,4 @@
+#include "instantiate.hpp"
+
+HMESH_TEST_INSTANTIATE(3)
+HMESH_TEST_INSTANTIATE(4)
