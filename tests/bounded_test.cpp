@@ -485,14 +485,14 @@ TEST_CASE("the inside may have a bound of its own, which leaves the border as it
 }
 
 TEST_CASE("borders do not depend on what is high beside them, nor with a bound of their own on that of the inside") {
-    constexpr int width = 61, height = 81;
+    constexpr int width = hmesh_test::sanitized ? 31 : 61, height = 81;
     Random random(12);
     std::vector<float> samples;
     for (int k = 0; k < width * height; ++k) samples.push_back(static_cast<float>(500 + between(random, -9, 9)));
     const auto half = [&](int y) { return hmesh::ImageView<float, 1>{samples.data() + y * width, width, 41, 0}; };
     hmesh::Options options;
     options.samples = Samples::points;
-    samples[20 * width + 30] = 1e8F;  // of the upper one alone
+    samples[20 * width + width / 2] = 1e8F;  // of the upper one alone
     for (const Effort effort : efforts) {
         Bounded recipe{1, effort};
         CHECK(line_of(hmesh::mesh_image(half(0), options, recipe).mesh, 1, 40) ==

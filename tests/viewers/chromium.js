@@ -1,4 +1,5 @@
-// chromium.js - what Chromium shows of a picture or a page of hmesh's, as a PNG file: node chromium.js FILE SCREENSHOT
+// chromium.js - what Chromium shows of pictures and pages of hmesh's, as PNG files:
+// node chromium.js (FILE SCREENSHOT REFERENCE LEAST)...     of which the last two are for chromium.sh
 //
 // FILE is an .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it:
 // one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by
@@ -106,46 +107,57 @@ async function touch(page) {
   if (await page.evaluate(() => window.visualViewport.scale) !== 1) throw new Error('the browser zooms the page');
 }
 
-async function main([file, screenshot]) {
-  if (!screenshot) throw new Error('usage: chromium.js FILE SCREENSHOT');
+async function show(browser, file, screenshot) {
+  const [path, part] = file.split('#');
+  const url = pathToFileURL(resolve(path)).href, is_page = path.endsWith('.html');
+  const size = is_page ? null : /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
+  const faults = [];
+  const open = async (width, height, options) => {
+    const page = await browser.newPage({ viewport: { width, height }, ...options });
+    page.on('pageerror', (error) => faults.push(String(error)));
+    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
+    page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
+    return page;
+  };
+  const page = size ? await open(Number(size[1]), Number(size[2])) : await open(1600, 1200);
+  if (is_page) {
+    await page.goto(`${url}#${part || 'native'}`, patience);
+    await page.waitForSelector(part ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
+    writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
+    if (!part) {
+      await handle(page, url);
+      await unfold(page, false);
+      for (const [width, height] of [[390, 844], [844, 390]]) {  // a phone upright, and on its side
+        const phone = await open(width, height, { hasTouch: true, isMobile: true, colorScheme: 'dark' });
+        await phone.goto(url, patience);
+        await phone.waitForSelector('#mesh[data-drawn]', patience);
+        await touch(phone);
+        await unfold(phone, true);
+        await phone.close();
+      }
+    }
+  } else {
+    await page.goto(url, patience);
+    writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));
+  }
+  await page.close();
+  if (faults.length > 0) throw new Error(faults.join('\n'));
+}
+
+async function main(words) {
+  if (words.length === 0 || words.length % 4 !== 0) throw new Error('usage: chromium.js (FILE SCREENSHOT REFERENCE LEAST)...');
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
   });
   try {
-    const [path, part] = file.split('#');
-    const url = pathToFileURL(resolve(path)).href, is_page = path.endsWith('.html');
-    const size = is_page ? null : /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
-    const faults = [];
-    const open = async (width, height, options) => {
-      const page = await browser.newPage({ viewport: { width, height }, ...options });
-      page.on('pageerror', (error) => faults.push(String(error)));
-      page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
-      page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
-      return page;
-    };
-    const page = size ? await open(Number(size[1]), Number(size[2])) : await open(1600, 1200);
-    if (is_page) {
-      await page.goto(`${url}#${part || 'native'}`, patience);
-      await page.waitForSelector(part ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
-      writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-      if (!part) {
-        await handle(page, url);
-        await unfold(page, false);
-        for (const [width, height] of [[390, 844], [844, 390]]) {  // a phone upright, and on its side
-          const phone = await open(width, height, { hasTouch: true, isMobile: true, colorScheme: 'dark' });
-          await phone.goto(url, patience);
-          await phone.waitForSelector('#mesh[data-drawn]', patience);
-          await touch(phone);
-          await unfold(phone, true);
-          await phone.close();
-        }
+    for (let at = 0; at < words.length; at += 4) {
+      try {
+        await show(browser, words[at], words[at + 1]);
+      } catch (error) {
+        throw new Error(`${words[at]}: ${error.message || error}`);
       }
-    } else {
-      await page.goto(url, patience);
-      writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));
     }
-    if (faults.length > 0) throw new Error(faults.join('\n'));
   } finally {
     await browser.close();
   }

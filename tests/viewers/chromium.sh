@@ -1,14 +1,32 @@
 #!/bin/sh
-# Compares a picture of write_svg()'s or a page of write_html()'s, as Chromium shows it, with render()'s of the same mesh.
+# Compares pictures of write_svg()'s and pages of write_html()'s, as Chromium shows them, with render()'s of the same meshes.
 #
-# usage: chromium.sh PSNR FILE REFERENCE.png LEAST     PSNR: the program made of psnr.cpp; LEAST: in dB
-# needs_chromium.sh says what it needs. Exit status: 0, 1 below LEAST, 77 without one of these.
+# usage: chromium.sh PSNR (FILE REFERENCE.png LEAST)...     PSNR: the program made of psnr.cpp; LEAST: in dB
+# One browser shows them all. needs_chromium.sh says what it needs. Exit status: 0, 1 if one is below LEAST, 77 without one of these.
 set -eu
-[ $# = 4 ] || { echo "usage: chromium.sh PSNR FILE REFERENCE.png LEAST" >&2; exit 2; }
+if [ $# -lt 4 ] || [ $(($# % 3)) != 1 ]; then
+    echo "usage: chromium.sh PSNR (FILE REFERENCE.png LEAST)..." >&2
+    exit 2
+fi
 here=$(dirname "$0")
 # shellcheck source=tests/viewers/needs_chromium.sh
 . "$here/needs_chromium.sh"
-shot=$(mktemp)
-trap 'rm -f "$shot"' EXIT
-node "$here/chromium.js" "$2" "$shot"
-"$1" "$shot" "$3" "$4"
+psnr=$1
+shift
+shots=$(mktemp -d)
+trap 'rm -rf "$shots"' EXIT
+count=$(($# / 3)) n=0
+# What is shown and what it is compared with take turns: each file goes to the end as it was, with its screenshot before it.
+while [ "$n" -lt "$count" ]; do
+    n=$((n + 1))
+    set -- "$@" "$1" "$shots/$n.png" "$2" "$3"
+    shift 3
+done
+node "$here/chromium.js" "$@"
+status=0
+while [ $# != 0 ]; do
+    got=$("$psnr" "$2" "$3" "$4") || status=1
+    echo "$1: $got (at least $4 dB)"
+    shift 4
+done
+exit "$status"

@@ -8,7 +8,8 @@
 #include "terrain/job/command.hpp"
 #include "terrain/run.hpp"
 
-int main(int argc, char** argv) {
+// What is no lack of memory is told by give_up() of say.hpp.
+int main(int argc, char** argv) {  // NOLINT(bugprone-exception-escape)
     tool::command_name = "hmesh-terrain";
     const std::vector<std::string> words(argv + (argc > 0 ? 1 : 0), argv + argc);
     if (words.empty() || words.front() != "job") {
