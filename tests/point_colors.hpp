@@ -1,5 +1,5 @@
-// hmesh tests - color_at(): the colour of a mesh at a sample that is a point, told without the library's geometry: in whole numbers
-// of 1/256 px, and by a search through all faces.
+// hmesh tests - color_at(): the colour of a mesh at a sample that is a point, told without the library's geometry: in whole
+// numbers of 1/256 px, and by a search through all faces.
 #ifndef HMESH_TESTS_POINT_COLORS_HPP
 #define HMESH_TESTS_POINT_COLORS_HPP
 
