@@ -423,9 +423,9 @@ class Relief {
     return options.up == UpAxis::y || (options.up == UpAxis::usual && is_usual);
 }
 
-/// Refuses what no file of a model of heights holds. O(n).
-[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that all of a .glb is below 4 GiB
+/// Refuses what no file of a model of heights holds, which has room for `most` vertices and as many faces. O(n).
+[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options,
+                                               std::uint64_t most) {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
         !status)
         return status;
@@ -623,9 +623,11 @@ class HeightScene {
 
 /// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
 /// by lamps; where there are no normals it is not lit. Walls that hang from its sides are a second primitive. A mesh without
-/// vertices is a scene of nothing. Refuses what write_height_ply() does, and a skirt that reaches below all floats.
+/// vertices is a scene of nothing. Refuses what write_height_ply() does, a skirt that reaches below all floats, and more than 44
+/// million vertices or faces.
 inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that the whole file is below 4 GiB
+    if (const Status status = detail::check_height_model(mesh, samples, options, most); !status) return status;
     constexpr auto deepest = static_cast<double>(std::numeric_limits<float>::max());
     if (!kit::is_within(options.skirt, 0, deepest))
         return {Errc::invalid_argument, "a skirt must have a depth of 0 or more that a float holds", options.skirt, deepest};
@@ -663,8 +665,16 @@ inline Status write_height_glb(const MeshView& mesh, const HeightSamples& sample
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 namespace hmesh {
+namespace detail {
+
+/// How many vertices, and how many faces, readers of PLY and OBJ files can number.
+inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
+
+}  // namespace detail
 
 /// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
 /// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
@@ -672,7 +682,7 @@ namespace hmesh {
 /// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
 /// Errc::write_failed.
 inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (const Status status = detail::check_height_model(mesh, samples, options, detail::most_numbered); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
     if (options.has_normals) relief.find_normals();
     detail::Writer writer(sink);
@@ -698,7 +708,7 @@ inline Status write_height_ply(const MeshView& mesh, const HeightSamples& sample
 /// Writes a mesh as an OBJ file: lines `v x y z`, `vt u v` and `vn x y z`, and faces `f a/a/a b/b/b c/c/c`, z up. `texture`
 /// names the material file that write_material() writes. Refuses what write_height_ply() does.
 inline Status write_height_obj(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (const Status status = detail::check_height_model(mesh, samples, options, detail::most_numbered); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
     if (options.has_normals) relief.find_normals();
     const bool has_places = options.drape != Drape::none;

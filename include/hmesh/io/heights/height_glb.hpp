@@ -124,9 +124,11 @@ class HeightScene {
 
 /// Writes a mesh as a .glb file with POSITION, NORMAL and TEXCOORD_0, y up, of one rough material, white or of the texture, lit
 /// by lamps; where there are no normals it is not lit. Walls that hang from its sides are a second primitive. A mesh without
-/// vertices is a scene of nothing. Refuses what write_height_ply() does, and a skirt that reaches below all floats.
+/// vertices is a scene of nothing. Refuses what write_height_ply() does, a skirt that reaches below all floats, and more than 44
+/// million vertices or faces.
 inline Status write_height_glb(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that the whole file is below 4 GiB
+    if (const Status status = detail::check_height_model(mesh, samples, options, most); !status) return status;
     constexpr auto deepest = static_cast<double>(std::numeric_limits<float>::max());
     if (!kit::is_within(options.skirt, 0, deepest))
         return {Errc::invalid_argument, "a skirt must have a depth of 0 or more that a float holds", options.skirt, deepest};

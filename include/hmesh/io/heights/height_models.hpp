@@ -13,6 +13,8 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 
 #include "hmesh/core/status.hpp"
 #include "hmesh/io/detail/model_parts.hpp"
@@ -25,6 +27,12 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
+namespace detail {
+
+/// How many vertices, and how many faces, readers of PLY and OBJ files can number.
+inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
+
+}  // namespace detail
 
 /// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
 /// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
@@ -32,7 +40,7 @@ namespace hmesh {
 /// and coordinates beyond all floats give a Status that says so, and no byte is written; a sink that refuses bytes gives
 /// Errc::write_failed.
 inline Status write_height_ply(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (const Status status = detail::check_height_model(mesh, samples, options, detail::most_numbered); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
     if (options.has_normals) relief.find_normals();
     detail::Writer writer(sink);
@@ -58,7 +66,7 @@ inline Status write_height_ply(const MeshView& mesh, const HeightSamples& sample
 /// Writes a mesh as an OBJ file: lines `v x y z`, `vt u v` and `vn x y z`, and faces `f a/a/a b/b/b c/c/c`, z up. `texture`
 /// names the material file that write_material() writes. Refuses what write_height_ply() does.
 inline Status write_height_obj(const MeshView& mesh, const HeightSamples& samples, Sink sink, const HeightOptions& options = {}) {
-    if (const Status status = detail::check_height_model(mesh, samples, options); !status) return status;
+    if (const Status status = detail::check_height_model(mesh, samples, options, detail::most_numbered); !status) return status;
     detail::Relief relief(mesh, samples, options, detail::is_y_up(options, false));
     if (options.has_normals) relief.find_normals();
     const bool has_places = options.drape != Drape::none;

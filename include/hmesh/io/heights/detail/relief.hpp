@@ -242,9 +242,9 @@ class Relief {
     return options.up == UpAxis::y || (options.up == UpAxis::usual && is_usual);
 }
 
-/// Refuses what no file of a model of heights holds. O(n).
-[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options) {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max() / 48;  // so that all of a .glb is below 4 GiB
+/// Refuses what no file of a model of heights holds, which has room for `most` vertices and as many faces. O(n).
+[[nodiscard]] inline Status check_height_model(const MeshView& mesh, const HeightSamples& samples, const HeightOptions& options,
+                                               std::uint64_t most) {
     if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a model of heights holds");
         !status)
         return status;
