@@ -429,4 +429,8 @@ def test_it_says_which_file_is_slow_to_draw_and_what_to_take_instead(hmesh, opti
             assert (viewer, int(told)) == (who, seconds)
     if len(slow) == 2:
         assert [(n[2], int(n[3])) for n in notes] == [("poppler (Okular, pdftoppm) takes", 10), ("browsers take", 22)]
-    assert hmesh.done(f"noise.png --effort draft {options} -o {svg} --quiet") == ""
+
+
+def test_it_does_not_say_so_when_it_is_to_be_quiet(hmesh):
+    Image.effect_noise((400, 300), 80).save("noise.png")
+    assert hmesh.done("noise.png --effort draft --vertices 6000 --svg exact -o x.svg --quiet") == ""
