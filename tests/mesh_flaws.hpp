@@ -13,19 +13,12 @@
 #include <utility>
 #include <vector>
 
+#include "grid_point.hpp"
 #include "hmesh/mesh/mesh.hpp"
 
 namespace hmesh_test {
 
 namespace detail {
-
-struct GridPoint {
-    std::int64_t x = 0, y = 0;
-};
-
-inline std::int64_t side_of(GridPoint a, GridPoint b, GridPoint p) {
-    return (b.x - a.x) * (p.y - a.y) - (p.x - a.x) * (b.y - a.y);
-}
 
 // Whether the side from a to b has its face where a point on it gets to that is moved a little by `first`, and much less by
 // `second`.
@@ -40,7 +33,6 @@ inline bool owns_border(GridPoint a, GridPoint b, GridPoint first, GridPoint sec
 // [0, width - 1] x [0, height - 1]; else what is wrong with it. A centre on an edge belongs to the face to its right or else
 // below, but to the one to its left in the last column of points, and to the one above in the last row.
 inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
-    using detail::GridPoint;
     if (mesh.width != width || mesh.height != height) return "the mesh has another size than the image";
     const bool of_points = mesh.samples == hmesh::Samples::points;
     const std::int64_t right = 256 * std::int64_t{of_points ? width - 1 : width};
@@ -70,7 +62,7 @@ inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
             used[v] = 1;
         }
         const GridPoint p[4] = {at[face[0]], at[face[1]], at[face[2]], at[face[0]]};
-        const std::int64_t twice = detail::side_of(p[0], p[1], p[2]);
+        const std::int64_t twice = double_area(p[0], p[1], p[2]);
         if (twice <= 0) return "a face is flipped or has no area";
         twice_area += twice;
         for (std::size_t k = 0; k < 3; ++k) sides.emplace_back(face[k], face[(k + 1) % 3]);
@@ -83,7 +75,7 @@ inline std::string flaw_of(const hmesh::MeshView& mesh, int width, int height) {
                 const GridPoint first = is_last_column ? down : across, second = is_last_column ? across : down;
                 bool is_owner = true;
                 for (int k = 0; k < 3; ++k) {
-                    const std::int64_t side = detail::side_of(p[k], p[k + 1], {256 * i + half, 256 * j + half});
+                    const std::int64_t side = double_area(p[k], p[k + 1], {256 * i + half, 256 * j + half});
                     is_owner = is_owner && (side > 0 || (side == 0 && detail::owns_border(p[k], p[k + 1], first, second)));
                 }
                 if (is_owner) ++owners[static_cast<std::size_t>(j * width + i)];

@@ -12,34 +12,27 @@
 #include <utility>
 #include <vector>
 
+#include "grid_point.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
 
 namespace hmesh_test {
 
-// In units of 1/256 px, as whole numbers.
-struct Place {
-    std::int64_t x = 0, y = 0;
-};
-[[nodiscard]] inline Place place_of(const hmesh::Mesh& mesh, std::uint32_t v) {
+[[nodiscard]] inline GridPoint place_of(const hmesh::Mesh& mesh, std::uint32_t v) {
     return {static_cast<std::int64_t>(static_cast<double>(mesh.positions[2 * std::size_t{v}]) * 256),
             static_cast<std::int64_t>(static_cast<double>(mesh.positions[2 * std::size_t{v} + 1]) * 256)};
 }
-[[nodiscard]] inline std::int64_t turn(Place a, Place b, Place c) {
-    return (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
-}
-
 // Faces of the mesh and of its copies up to `reach` periods away that hold a place off all edges; -1: it is on one.
-[[nodiscard]] inline int faces_over(const hmesh::Mesh& mesh, Place p, int reach = 3) {
+[[nodiscard]] inline int faces_over(const hmesh::Mesh& mesh, GridPoint p, int reach = 3) {
     const int across = hmesh::kit::wraps_x(mesh.periodic) ? reach : 0, down = hmesh::kit::wraps_y(mesh.periodic) ? reach : 0;
     int count = 0;
     for (const hmesh::Triangle& face : mesh.faces)
         for (int j = -down; j <= down; ++j)
             for (int i = -across; i <= across; ++i) {
-                const Place q{p.x - std::int64_t{256} * i * mesh.width, p.y - std::int64_t{256} * j * mesh.height};
-                const Place a = place_of(mesh, face[0]), b = place_of(mesh, face[1]), c = place_of(mesh, face[2]);
-                const std::int64_t one = turn(a, b, q), two = turn(b, c, q), three = turn(c, a, q);
+                const GridPoint q{p.x - std::int64_t{256} * i * mesh.width, p.y - std::int64_t{256} * j * mesh.height};
+                const GridPoint a = place_of(mesh, face[0]), b = place_of(mesh, face[1]), c = place_of(mesh, face[2]);
+                const std::int64_t one = double_area(a, b, q), two = double_area(b, c, q), three = double_area(c, a, q);
                 if (one < 0 || two < 0 || three < 0) continue;
                 if (one == 0 || two == 0 || three == 0) return -1;
                 ++count;
@@ -51,8 +44,8 @@ struct Place {
 [[nodiscard]] inline std::string sheet_flaw(const hmesh::Mesh& mesh, int places = 40) {
     hmesh::kit::Random random(7);
     for (int k = 0; k < places; ++k) {
-        const Place p{static_cast<std::int64_t>(random.below(static_cast<std::size_t>(256 * mesh.width))),
-                      static_cast<std::int64_t>(random.below(static_cast<std::size_t>(256 * mesh.height)))};
+        const GridPoint p{static_cast<std::int64_t>(random.below(static_cast<std::size_t>(256 * mesh.width))),
+                          static_cast<std::int64_t>(random.below(static_cast<std::size_t>(256 * mesh.height)))};
         const int count = faces_over(mesh, p);
         if (count != 1 && count != -1) return "a place is in " + std::to_string(count) + " faces";
     }
@@ -67,7 +60,7 @@ struct Place {
     using Edge = std::array<std::int64_t, 4>;  // where it begins, within the first period, and what it spans
     std::map<Edge, std::pair<std::uint32_t, std::uint32_t>> border;
     const auto edge_of = [&](std::uint32_t from, std::uint32_t to) {
-        const Place a = place_of(mesh, from), b = place_of(mesh, to);
+        const GridPoint a = place_of(mesh, from), b = place_of(mesh, to);
         return Edge{x ? modulo(a.x, width) : a.x, y ? modulo(a.y, height) : a.y, b.x - a.x, b.y - a.y};
     };
     for (const auto& [side, count] : sides)
@@ -83,7 +76,7 @@ struct Place {
         return true;
     };
     for (const auto& [edge, side] : border) {
-        const Place a = place_of(mesh, side.first), b = place_of(mesh, side.second);
+        const GridPoint a = place_of(mesh, side.first), b = place_of(mesh, side.second);
         if ((!x && a.x == b.x && (a.x == 0 || a.x == width)) || (!y && a.y == b.y && (a.y == 0 || a.y == height))) continue;
         const auto partner = border.find(edge_of(side.second, side.first));
         if (partner == border.end()) return "an edge of the border has no partner";
