@@ -1,9 +1,10 @@
 // chromium.js - what Chromium shows of pictures and pages of hmesh's, as PNG files:
-// node chromium.js (FILE SCREENSHOT REFERENCE LEAST)...     of which the last two are for chromium.sh
+// node chromium.js FOLDER (FILE REFERENCE LEAST)...
 //
-// FILE is an .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it:
-// one pixel of the picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by
-// fingers on the screen of a phone. Of FILE.html#original only the original is taken, which the page holds to compare with.
+// Screenshot n of FOLDER, 0.png and so on, is that of the n-th FILE; what it is compared with is for chromium.sh alone. FILE is an
+// .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it: one pixel of the
+// picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by fingers on the screen of
+// a phone. Of FILE.html#original only the original is taken, which the page holds to compare with.
 // Errors of the page, and anything that it asks the network for, make this fail. needs_chromium.sh says what is needed.
 'use strict';
 const { chromium } = require('playwright-core');
@@ -144,19 +145,16 @@ async function show(browser, file, screenshot) {
   if (faults.length > 0) throw new Error(faults.join('\n'));
 }
 
-async function main(words) {
-  if (words.length === 0 || words.length % 4 !== 0) throw new Error('usage: chromium.js (FILE SCREENSHOT REFERENCE LEAST)...');
+async function main([folder, ...words]) {
+  if (words.length === 0 || words.length % 3 !== 0) throw new Error('usage: chromium.js FOLDER (FILE REFERENCE LEAST)...');
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
   });
   try {
-    for (let at = 0; at < words.length; at += 4) {
-      try {
-        await show(browser, words[at], words[at + 1]);
-      } catch (error) {
-        throw new Error(`${words[at]}: ${error.message || error}`);
-      }
+    for (let n = 0; 3 * n < words.length; ++n) {
+      const file = words[3 * n];
+      await show(browser, file, `${folder}/${n}.png`).catch((error) => { throw new Error(`${file}: ${error.message || error}`); });
     }
   } finally {
     await browser.close();

@@ -15,18 +15,12 @@ psnr=$1
 shift
 shots=$(mktemp -d)
 trap 'rm -rf "$shots"' EXIT
-count=$(($# / 3)) n=0
-# What is shown and what it is compared with take turns: each file goes to the end as it was, with its screenshot before it.
-while [ "$n" -lt "$count" ]; do
-    n=$((n + 1))
-    set -- "$@" "$1" "$shots/$n.png" "$2" "$3"
-    shift 3
-done
-node "$here/chromium.js" "$@"
-status=0
+node "$here/chromium.js" "$shots" "$@"
+status=0 n=0
 while [ $# != 0 ]; do
-    got=$("$psnr" "$2" "$3" "$4") || status=1
-    echo "$1: $got (at least $4 dB)"
-    shift 4
+    got=$("$psnr" "$shots/$n.png" "$2" "$3") || status=1
+    echo "$1: $got (at least $3 dB)"
+    shift 3
+    n=$((n + 1))
 done
 exit "$status"
