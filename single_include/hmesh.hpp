@@ -1879,6 +1879,9 @@ namespace hmesh::detail {
 
 // --- what is refused ---
 
+/// How many vertices, and how many faces, readers of most formats can number.
+inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
+
 /// Refuses a mesh of more vertices or faces than a format numbers, with the sentence `what`; reads none of them.
 [[nodiscard]] inline Status check_counts(const MeshView& mesh, std::uint64_t most_vertices, std::uint64_t most_faces,
                                          const char* what) noexcept {
@@ -5398,8 +5401,8 @@ namespace detail {
 
 /// Refuses what a PLY file cannot hold. O(n).
 [[nodiscard]] inline Status check_for_ply(const MeshView& mesh, const PlyOptions& options) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
-    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a PLY file numbers");
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_numbered, "the mesh has more vertices or faces than a PLY file numbers");
         !status)
         return status;
     if (const Status status = check(options.groups, mesh); !status) return status;

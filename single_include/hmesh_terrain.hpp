@@ -665,16 +665,8 @@ inline Status write_height_glb(const MeshView& mesh, const HeightSamples& sample
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 
 namespace hmesh {
-namespace detail {
-
-/// How many vertices, and how many faces, readers of PLY and OBJ files can number.
-inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
-
-}  // namespace detail
 
 /// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
 /// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces
@@ -962,8 +954,8 @@ inline void write_stl_face(Writer& writer, const Corners3& corners) {
 
 /// Refuses what no STL file of `faces` faces holds. O(n).
 [[nodiscard]] inline Status check_for_stl(const MeshView& mesh, const HeightOptions& options, std::uint64_t most_faces) {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
-    if (const Status status = check_counts(mesh, most, most_faces, "the mesh has more vertices or faces than an STL file holds");
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_faces, "the mesh has more vertices or faces than an STL file holds");
         !status)
         return status;
     return check_relief(mesh, {}, options);
@@ -1222,9 +1214,10 @@ inline constexpr int tile_most = 32767;
 /// Refuses what no tile holds. O(n).
 [[nodiscard]] inline Status check_for_tile(const MeshView& mesh, const HeightSamples& samples,
                                            const QuantizedMeshOptions& tile) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
     constexpr double radius = 6e6;  // m, less than any of the Earth's: nothing is on the other side of its centre
-    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a tile numbers"); !status)
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_numbered, "the mesh has more vertices or faces than a tile numbers");
+        !status)
         return status;
     if (const Status status = check_height_mesh(mesh, samples, tile.z); !status) return status;
     if (mesh.face_count == 0) return {Errc::invalid_argument, "a tile needs a mesh of at least one face", 0, 1};

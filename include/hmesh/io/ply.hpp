@@ -48,8 +48,8 @@ namespace detail {
 
 /// Refuses what a PLY file cannot hold. O(n).
 [[nodiscard]] inline Status check_for_ply(const MeshView& mesh, const PlyOptions& options) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
-    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a PLY file numbers");
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_numbered, "the mesh has more vertices or faces than a PLY file numbers");
         !status)
         return status;
     if (const Status status = check(options.groups, mesh); !status) return status;

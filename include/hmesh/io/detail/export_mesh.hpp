@@ -28,6 +28,9 @@ namespace hmesh::detail {
 
 // --- what is refused ---
 
+/// How many vertices, and how many faces, readers of most formats can number.
+inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
+
 /// Refuses a mesh of more vertices or faces than a format numbers, with the sentence `what`; reads none of them.
 [[nodiscard]] inline Status check_counts(const MeshView& mesh, std::uint64_t most_vertices, std::uint64_t most_faces,
                                          const char* what) noexcept {

@@ -13,10 +13,9 @@
 
 #include <array>
 #include <cstddef>
-#include <cstdint>
-#include <limits>
 
 #include "hmesh/core/status.hpp"
+#include "hmesh/io/detail/export_mesh.hpp"
 #include "hmesh/io/detail/model_parts.hpp"
 #include "hmesh/io/heights/detail/relief.hpp"
 #include "hmesh/io/heights/height_options.hpp"
@@ -27,12 +26,6 @@
 #include "hmesh/core/macros/push.hpp"
 
 namespace hmesh {
-namespace detail {
-
-/// How many vertices, and how many faces, readers of PLY and OBJ files can number.
-inline constexpr std::uint64_t most_numbered = std::numeric_limits<std::int32_t>::max();
-
-}  // namespace detail
 
 /// Writes a mesh as a binary PLY file: vertices `float x y z`, `nx ny nz` with normals and `s t` with texture coordinates, z
 /// up. A texture is named in a comment, as MeshLab reads it. A mesh that has no size, numbers that are not finite, faces

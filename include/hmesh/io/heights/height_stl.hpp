@@ -58,8 +58,8 @@ inline void write_stl_face(Writer& writer, const Corners3& corners) {
 
 /// Refuses what no STL file of `faces` faces holds. O(n).
 [[nodiscard]] inline Status check_for_stl(const MeshView& mesh, const HeightOptions& options, std::uint64_t most_faces) {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
-    if (const Status status = check_counts(mesh, most, most_faces, "the mesh has more vertices or faces than an STL file holds");
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_faces, "the mesh has more vertices or faces than an STL file holds");
         !status)
         return status;
     return check_relief(mesh, {}, options);

@@ -76,9 +76,10 @@ inline constexpr int tile_most = 32767;
 /// Refuses what no tile holds. O(n).
 [[nodiscard]] inline Status check_for_tile(const MeshView& mesh, const HeightSamples& samples,
                                            const QuantizedMeshOptions& tile) noexcept {
-    constexpr std::uint64_t most = std::numeric_limits<std::int32_t>::max();
     constexpr double radius = 6e6;  // m, less than any of the Earth's: nothing is on the other side of its centre
-    if (const Status status = check_counts(mesh, most, most, "the mesh has more vertices or faces than a tile numbers"); !status)
+    if (const Status status =
+            check_counts(mesh, most_numbered, most_numbered, "the mesh has more vertices or faces than a tile numbers");
+        !status)
         return status;
     if (const Status status = check_height_mesh(mesh, samples, tile.z); !status) return status;
     if (mesh.face_count == 0) return {Errc::invalid_argument, "a tile needs a mesh of at least one face", 0, 1};
