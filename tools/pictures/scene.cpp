@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "scene.hpp"
+#include "thread_pool.hpp"
 #include "writers/output_file.hpp"
 #include "writers/picture_file.hpp"
 
@@ -27,7 +28,7 @@ int main(int argc, char** argv) {
     }
     tool::OutputFile file(argv[1]);
     if (file.open()) {
-        hmesh::Image<std::uint8_t, 3> image = tool::draw_scene(width, height);
+        hmesh::Image<std::uint8_t, 3> image = tool::draw_scene(width, height, example::ThreadPool());
         const tool::Picture picture{width, height, 3, {image.data(), image.data() + image.size()}};
         if (tool::write_png(picture, file) && file.commit()) return 0;
     }

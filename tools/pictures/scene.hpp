@@ -8,8 +8,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/image/image_view.hpp"
 
 namespace tool {
@@ -417,15 +419,17 @@ inline std::uint8_t to_stored(double light) {
 
 }  // namespace scene
 
-// Draws the scene at width x height px, both at least 1; what is seen is fitted to the height.
-[[nodiscard]] inline hmesh::Image<std::uint8_t, 3> draw_scene(int width = 768, int height = 512) {
+// Draws the scene at width x height px, both at least 1; what is seen is fitted to the height. Rows are pieces of work.
+[[nodiscard]] inline hmesh::Image<std::uint8_t, 3> draw_scene(int width = 768, int height = 512,
+                                                              const hmesh::ParallelFor& parallel_for = {}) {
     using scene::Vec;
     hmesh::Image<std::uint8_t, 3> image(width, height);
     const Vec eye{0.1, 2.75, -6.6}, aim{0.02, 0.80, 0};
     const Vec ahead = scene::normalized(aim - eye), right = scene::normalized(scene::cross({0, 1, 0}, ahead));
     const Vec up = scene::cross(ahead, right);
     const double pixel = 2 * 0.272 / height;  // the tangent of half the vertical angle of view
-    for (int y = 0; y < height; ++y)
+    parallel_for(static_cast<std::size_t>(height), [&](std::size_t j) {
+        const int y = static_cast<int>(j);
         for (int x = 0; x < width; ++x) {
             const std::uint32_t seed = scene::hash(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y));
             Vec sum;
@@ -440,6 +444,7 @@ inline std::uint8_t to_stored(double light) {
             to[1] = scene::to_stored(sum.y / 9);
             to[2] = scene::to_stored(sum.z / 9);
         }
+    });
     return image;
 }
 
