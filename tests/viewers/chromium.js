@@ -2,9 +2,10 @@
 // node chromium.js FOLDER (FILE REFERENCE LEAST)...
 //
 // Screenshot n of FOLDER, 0.png and so on, is that of the n-th FILE; what it is compared with is for chromium.sh alone. FILE is an
-// .svg, drawn at its own size, or an .html that write_html() wrote, whose canvas is taken as `#native` shows it: one pixel of the
-// picture to one of the screen. A page is then opened again and handled by keys, wheel and pointer, and by fingers on the screen of
-// a phone. Of FILE.html#original only the original is taken, which the page holds to compare with.
+// .svg, drawn at its own size and without the GPU, whose stand-in takes three times as long, or an .html that write_html() wrote,
+// whose canvas is taken as `#native` shows it: one pixel of the picture to one of the screen. A page is then opened again and handled
+// by keys, wheel and pointer, and by fingers on the screen of a phone; FILE.html#native is not, nor FILE.html#original, of which the
+// original is taken that the page holds to compare with.
 // Errors of the page, and anything that it asks the network for, make this fail. needs_chromium.sh says what is needed.
 'use strict';
 const { chromium } = require('playwright-core');
@@ -123,7 +124,7 @@ async function show(browser, file, screenshot) {
   const page = size ? await open(Number(size[1]), Number(size[2])) : await open(1600, 1200);
   if (is_page) {
     await page.goto(`${url}#${part || 'native'}`, patience);
-    await page.waitForSelector(part ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
+    await page.waitForSelector(part === 'original' ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
     writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
     if (!part) {
       await handle(page, url);
@@ -149,7 +150,8 @@ async function main([folder, ...words]) {
   if (words.length === 0 || words.length % 3 !== 0) throw new Error('usage: chromium.js FOLDER (FILE REFERENCE LEAST)...');
   const browser = await chromium.launch({
     executablePath: process.env.CHROMIUM || '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
+    args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-gpu-rasterization',
+      '--force-color-profile=srgb'],
   });
   try {
     for (let n = 0; 3 * n < words.length; ++n) {
