@@ -226,7 +226,7 @@ const both = { // from a server, and from a file
         });
         seen.observe(document.body, { attributeFilter: ['data-state'] });
       }, isMoved);
-      await choose(page, 'good.png', large);
+      await choose(page, 'good.png', medium);
       await fault(page);
       expect(['refining', 'done'].includes(await state(page)), `it is ${await state(page)}`);
       await page.waitForSelector('#view[aria-label^="good: a mesh"]', patience);
@@ -683,7 +683,7 @@ const single = { // each with a context of its own
 
 // --- the run ---
 
-let small, large;
+let small, medium, large;
 const serve = () => new Promise((found, lost) => {
   const program = join(__dirname, '../../web/serve.mjs');
   server = spawn(process.execPath, [program, folder, '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
@@ -697,6 +697,7 @@ async function main() {
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
   });
   small = await picture(320, 240);
+  medium = await picture(1000, 750);
   large = await picture(2400, 1800);
   const places = { server: await serve(), file: pathToFileURL(resolve(folder, 'hmesh.html')).href };
   let failures = 0;
