@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -105,6 +106,35 @@ TEST_CASE("levels come for any sample type, channels, weights, premultiplication
     REQUIRE(weighted.levels.size() == 3);
     const Lods plain = mesh_lods(image.view(), vertices(100), count(3));
     for (std::size_t k = 0; k < 3; ++k) CHECK(weighted.levels[k].report.psnr > plain.levels[k].report.psnr);
+}
+
+// With weights of channels the error of a scaled copy is told, whose samples are rounded.
+TEST_CASE("the error that a level begins with is that of the one before, weights of channels and all") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(90, 70, 4);
+    for (const std::vector<double>& weights : {std::vector<double>{}, {4, 0.5, 1}}) {
+        Options options = vertices(240);
+        options.channel_weights = weights;
+        std::map<std::size_t, double> begun;  // by the number of vertices
+        const auto watch = [&](const ProgressInfo& info) {
+            if (info.fraction <= 0 && std::strcmp(info.stage, "collapse") == 0) begun[info.vertices] = info.energy;
+            return true;
+        };
+        options.progress = watch;
+        const Lods lods = mesh_lods(image.view(), options, count(3), {Effort::fast});
+        REQUIRE(lods.levels.size() == 3);
+        for (const Result* const level : {&lods.levels[0], &lods.levels[1]})
+            CHECK(begun[level->report.vertices] == doctest::Approx(level->report.energy).epsilon(weights.empty() ? 1e-3 : 0.05));
+    }
+}
+
+TEST_CASE("sampled colours are those of each level") {
+    const auto noise = hmesh_test::noise<std::uint8_t, 3>(60, 50, 3);
+    Options options = vertices(120);
+    const Lods optimal = mesh_lods(noise.view(), options, count(3), {Effort::draft});
+    options.colors = hmesh::Colors::sampled;
+    const Lods sampled = mesh_lods(noise.view(), options, count(3), {Effort::draft});
+    REQUIRE((optimal.levels.size() == 3 && sampled.levels.size() == 3));
+    for (std::size_t k = 0; k < 3; ++k) CHECK(sampled.levels[k].report.psnr < optimal.levels[k].report.psnr - 0.4);
 }
 
 TEST_CASE("levels are as good as meshes of their own, on average over pictures and seeds" *
@@ -211,6 +241,26 @@ TEST_CASE("a search for a PSNR is the first level's, and its failure the whole's
     CHECK(nearest.levels[2].report.vertices == 15);
 }
 
+TEST_CASE("a first level that has no coarser ones ends the progress once, and may be cancelled there") {
+    const auto flat = hmesh_test::constant_image<std::uint8_t, 1>(60, 50, 0.5);
+    for (const Target& target : {Target::psnr(40), Target::vertices(7)})
+        for (const bool goes_on : {true, false}) {
+            int ends = 0;
+            const auto watch = [&](const ProgressInfo& info) {
+                ends += info.total >= 1 ? 1 : 0;
+                return goes_on || info.total < 1;
+            };
+            Options options;
+            options.target = target;
+            options.progress = watch;
+            const Lods lods = mesh_lods(flat.view(), options, {}, {Effort::draft});
+            CHECK(ends == 1);
+            CHECK(lods.status.code == (goes_on ? Errc::ok : Errc::cancelled));
+            REQUIRE(lods.levels.size() == 1);
+            CHECK(lods.levels[0].report.vertices < 8);
+        }
+}
+
 TEST_CASE("progress rises over the whole chain, to 1, and a cancellation leaves the levels that were finished") {
     const Image<std::uint8_t, 3> image = hmesh_test::scene<std::uint8_t, 3>(120, 90, 3);
     for (const bool is_search : {false, true}) {
@@ -233,7 +283,11 @@ TEST_CASE("progress rises over the whole chain, to 1, and a cancellation leaves 
         REQUIRE(ends.size() >= 4);
         CHECK(ends[ends.size() - 4] < 0.95);
         CHECK(ends[ends.size() - 2] < 1);
-        CHECK(ends[ends.size() - 2] > ends[ends.size() - 3]);
+        // A level that takes half the work of the one before it has half its share.
+        const double* const end = ends.data() + ends.size() - 4;
+        CHECK(end[2] - end[1] < 0.75 * (end[1] - end[0]));
+        CHECK(end[3] - end[2] < 0.75 * (end[2] - end[1]));
+        CHECK(end[2] > end[1]);
     }
     const Lods whole = mesh_lods(image.view(), vertices(300), count(4), {Effort::fast});
     for (const double stop : {0.0, 0.2, 0.5, 0.7, 0.8, 0.9, 0.97, 1.0}) {
