@@ -2937,12 +2937,13 @@ class CompactWriter {
         Triangulation whole(points);
         FlipFinder finder(whole);
         const Status overlap(Errc::invalid_argument, "a compact file holds faces that meet in whole edges and do not overlap");
-        if (!finder.insert(edges)) return overlap;
+        const bool are_there = finder.insert(edges);  // not, where they take too many flips
         body_.flips = finder.flips();
         if (body_.flips.size() > FlipCoder::most_flips(points.size()))
             return {Errc::invalid_argument,
                     "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips", body_.flips.size(),
                     FlipCoder::most_flips(points.size())};
+        if (!are_there) return overlap;
         // Its edges are there, so that each of its faces is, unless something lies in it.
         body_.faces = all_faces(whole);
         const std::vector<Triangle>& all = body_.faces;

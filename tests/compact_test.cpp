@@ -202,6 +202,40 @@ TEST_CASE("a mesh whose edges are found by flips of which some undo others comes
     CHECK(hmesh_test::difference(mesh, back.mesh) == "");
 }
 
+TEST_CASE("a mesh of which Delaunay's triangulation is too many flips away is refused, and not for overlaps") {
+    // Two chains of points that bend towards each other. All faces between them are fans of one point of each: in Delaunay's
+    // triangulation chains take turns, and one flip exchanges no more than two turns.
+    const auto fans = [](int n) {
+        Mesh mesh;
+        mesh.width = n;
+        mesh.height = (2 * n * n + 255) / 256;
+        mesh.channels = 1;
+        mesh.peak = 255;
+        const auto middle = static_cast<float>(mesh.height) / 2;
+        for (const int side : {-1, 1})
+            for (int k = -n / 2; k < n / 2; ++k) {
+                mesh.positions.push_back(static_cast<float>(k + n / 2));
+                mesh.positions.push_back(middle + static_cast<float>(side * (n * n / 2 + k * k)) / 256);
+                mesh.colors.push_back(100);
+            }
+        const auto count = static_cast<std::uint32_t>(n);
+        for (std::uint32_t k = 0; k + 1 < count; ++k) {
+            mesh.faces.push_back({k, k + 1, count});
+            mesh.faces.push_back({count - 1, count + k + 1, count + k});
+        }
+        return mesh;
+    };
+    const Mesh few = fans(100);
+    const CompactMesh back = read(compact(few));
+    REQUIRE(back.status);
+    CHECK(hmesh_test::difference(few, back.mesh) == "");
+    const hmesh::Status status = refusal(fans(400));
+    CHECK(status.code == Errc::invalid_argument);
+    CHECK(std::string(status.what).find("too unlike Delaunay's") != std::string::npos);
+    CHECK(status.limit == 64 * 804);
+    CHECK(status.value > status.limit);
+}
+
 TEST_CASE("what is said of the image is kept") {
     Mesh mesh = random_mesh({}, 3);
     for (const bool points : {false, true})
