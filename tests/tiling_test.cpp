@@ -9,11 +9,13 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/mesh/periodic.hpp"
 
 using hmesh::kit::Point;
 using hmesh::kit::Rect;
 using hmesh::kit::TileGrid;
 using hmesh::kit::Tiling;
+using hmesh::kit::Tilings;
 
 namespace {
 
@@ -212,4 +214,44 @@ TEST_CASE("balanced tilings have every pixel in one tile, and each place off all
         if (tile >= 16) CHECK(std::count(inside.begin(), inside.end(), 0) == 0);
     }
     CHECK(Tiling(TileGrid(40, 31, 7, {})) == Tiling(40, 31, 7));  // no points: equal tiles
+}
+
+TEST_CASE("one tile alone is not shifted, and no tile is empty where tiles of less than a pixel are asked for") {
+    CHECK(Tiling(30, 20, 100, true, true) == Tiling(30, 20, 100));
+    CHECK(Tiling(30, 20, 14, true, true) == Tiling(30, 20, 14, true));
+    for (int size = 1; size <= 20; ++size)
+        for (const double tile : {0.3, 0.6, 0.9, 1.0})
+            for (const bool shift : {false, true})
+                for (const hmesh::Periodic periodic : {hmesh::Periodic::none, hmesh::Periodic::xy}) {
+                    const Tiling tiling(size, 21 - size, tile, shift, shift, periodic);
+                    int pixels = 0;
+                    for (std::size_t k = 0; k < tiling.size(); ++k) {
+                        const Rect r = tiling.rect(k);
+                        REQUIRE((r.width > 0 && r.height > 0));
+                        pixels += r.width * r.height;
+                    }
+                    REQUIRE(pixels == size * (21 - size));
+                }
+}
+
+TEST_CASE("of four phases one leaves each place off its lines, and of two those where lines of both do not cross") {
+    const Tilings tilings(40, 31, 10);
+    // Which lines of a phase a place is on: 1 for one from top to bottom, 2 for one from left to right.
+    const auto lines_at = [&](int phase, int x, int y) {
+        const std::vector<int> columns = lines_x(tilings[phase]), rows = lines_y(tilings[phase]);
+        return (std::count(columns.begin() + 1, columns.end() - 1, x) > 0 ? 1 : 0) |
+               (std::count(rows.begin() + 1, rows.end() - 1, y) > 0 ? 2 : 0);
+    };
+    int crossings = 0;
+    for (int y = 0; y <= 31; ++y)
+        for (int x = 0; x <= 40; ++x) {
+            int off = 0;
+            for (int phase = 4; phase < 8; ++phase) off += lines_at(phase, x, y) == 0 ? 1 : 0;
+            REQUIRE(off > 0);
+            const int first = lines_at(0, x, y), second = lines_at(1, x, y);
+            if (first == 0 || second == 0) continue;
+            REQUIRE((first | second) == 3);
+            ++crossings;
+        }
+    CHECK(crossings > 0);
 }
