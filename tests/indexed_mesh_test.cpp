@@ -349,3 +349,36 @@ TEST_CASE("a periodic mesh in plain arrays may have any numbers for positions an
         CHECK(refuses(bad));
     }
 }
+
+TEST_CASE("a periodic mesh is refused whose vertices are off the grid, or tied to others than those in their place") {
+    IndexedMesh<1> good = fan();
+    good.periodic = hmesh::Periodic::xy;
+    good.roots = {0, 0, 0, 0, 4};
+    good.count_copies();
+    REQUIRE(check(good));
+    IndexedMesh<1> other = good;
+    for (const std::uint32_t root : {1U, 3U}) {  // any of them may be the root
+        other.roots = {root, root, root, root, 4};
+        CHECK(check(other));
+    }
+    for (const Point off : {Point{4.001, 3}, {4, 3.001}}) {
+        IndexedMesh<1> bad = good;
+        bad.positions[4] = off;
+        CHECK(fault(bad) == Fault("a vertex is off the grid", 4));
+    }
+    const auto place_of = [&](const hmesh::kit::Array<std::uint32_t>& roots) {
+        IndexedMesh<1> bad = good;
+        bad.roots = roots;
+        const Fault found = fault(bad);
+        return found.first.find("tied") != std::string::npos ? found.second : -1;
+    };
+    CHECK(place_of({0, 0, 5, 0, 4}) == 2);  // there is no such vertex
+    CHECK(place_of({0, 0, 0, 0xffffffffU, 4}) == 3);
+    CHECK(place_of({0, 0, 4, 0, 4}) == 2);  // it is in another place
+    CHECK(place_of({0, 0, 0, 0, 0}) == 4);
+    CHECK(place_of({0, 0, 1, 0, 4}) == 2);  // it is a copy itself
+    CHECK(place_of({0, 0, 2, 0, 4}) == 2);  // and on its own, though others are in its place
+    IndexedMesh<1> bad = good;
+    bad.roots.pop_back();
+    CHECK(fault(bad) == Fault("the arrays of vertices differ in length", 5));
+}

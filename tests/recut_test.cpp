@@ -109,6 +109,9 @@ TEST_CASE("vertices that were locked stay in front, and marks of copies come tog
         return std::fmod(mesh.positions[v].x + 16, 16) == std::fmod(last, 16) && mesh.colors[v][0] == color;
     });
     CHECK(is_there);
+    mesh.locked_count = mesh.vertex_count();
+    hmesh::kit::recut(mesh, 3, 2);
+    CHECK(mesh.locked_count == mesh.vertex_count());
 }
 
 TEST_CASE("the last cut is shorter than that by centroids, and a surface with a border") {
@@ -140,6 +143,50 @@ TEST_CASE("the last cut is shorter than that by centroids, and a surface with a 
             for (const Point p : mesh.positions) CHECK((p.x >= 0 && p.x <= 14 && p.y >= 0 && p.y <= 11));
         }
     CHECK(after <= before);
+}
+
+// Of few points, so that some cuts bring several fans of faces to one vertex.
+TEST_CASE("after the last cut no face has two neighbours on another side, no vertex two fans, and copies are counted") {
+    int added = 0;
+    for (const auto& [width, height, points] : {std::array{8, 3, 8}, {3, 3, 8}, {5, 3, 14}, {8, 3, 30}})
+        for (std::uint64_t seed = 0; seed < 32; ++seed) {
+            IndexedMesh<1> mesh = random_mesh(width, height, points, Periodic::xy, seed);
+            for (Point& p : mesh.positions) p = {p.x + 0.5, p.y + 0.25};
+            hmesh::kit::recut(mesh, 0, 0);
+            const auto faces = faces_of(mesh);
+            hmesh::kit::finish_cut(mesh, false);
+            CHECK(hmesh::kit::check(mesh));
+            CHECK(faces_of(mesh) == faces);
+            hmesh::kit::HalfedgeMesh topology;
+            CHECK(topology.assign(mesh.vertex_count(), mesh.faces));
+            std::size_t copies = 0;
+            for (std::size_t v = 0; v < mesh.vertex_count(); ++v) copies += mesh.roots[v] != v ? 1 : 0;
+            CHECK(mesh.copy_count == copies);
+            // Sides by the places of their ends, as the faces that have them go.
+            std::multiset<std::array<double, 4>> sides;
+            for (const hmesh::Triangle& face : mesh.faces)
+                for (std::size_t k = 0; k < 3; ++k) {
+                    const Point a = mesh.positions[face[k]], b = mesh.positions[face[(k + 1) % 3]];
+                    sides.insert({a.x, a.y, b.x, b.y});
+                }
+            for (const hmesh::Triangle& face : mesh.faces) {
+                const auto neighbors_at = [&](int x, int y) {
+                    std::size_t count = 0;
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const Point a = mesh.positions[face[k]], b = mesh.positions[face[(k + 1) % 3]];
+                        count += sides.count({b.x + x, b.y + y, a.x + x, a.y + y});
+                    }
+                    return count;
+                };
+                for (const int x : {-width, 0, width})
+                    for (const int y : {-height, 0, height})
+                        if (x != 0 || y != 0) CHECK(neighbors_at(x, y) < 2);
+            }
+            std::set<std::pair<double, double>> places;
+            for (const Point p : mesh.positions) places.insert({p.x, p.y});
+            added += places.size() < mesh.vertex_count() ? 1 : 0;
+        }
+    CHECK(added > 0);
 }
 
 TEST_CASE("the two triangles of an image are a torus of one vertex") {
