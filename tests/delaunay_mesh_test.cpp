@@ -6,9 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/random.hpp"
+#include "hmesh/mesh/periodic.hpp"
 #include "test_images.hpp"
 #include "test_indexed_meshes.hpp"
 
@@ -135,4 +138,111 @@ TEST_CASE("a mesh whose vertices have few edges stays as it is") {
     CHECK(kit::bound_valence(mesh, 20));
     CHECK(mesh.positions == before.positions);
     CHECK(mesh.faces == before.faces);
+}
+
+TEST_CASE("where faces are small, those that are new are not, no vertex gets more edges, and what is said of them is true") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(64, 64, 1);
+    int bounded = 0, failed = 0;
+    for (std::uint64_t seed = 0; seed < 60; ++seed) {
+        kit::Random random(seed);
+        // Two hubs that see as many points around them; one may have them near, where faces cannot turn.
+        std::vector<Point> points;
+        for (const double x : {14.0, 46.0}) {
+            const double radius = x > 32 ? 13 : 1 + 8 * random.uniform(), width = seed % 3 == 0 ? 0 : random.uniform();
+            points.push_back({x, 30});
+            for (int k = 0; k < 30; ++k) {
+                const double angle = 6.283185307179586 * random.uniform(), far = radius + width * random.uniform();
+                points.push_back(kit::snap({x + far * std::cos(angle), 30 + far * std::sin(angle)}));
+            }
+        }
+        kit::IndexedMesh<1> mesh = kit::delaunay_mesh(kit::ImageSource<1>(image.view()), kit::triangulate(64, 64, points));
+        const std::set<hmesh::Triangle> before(mesh.faces.begin(), mesh.faces.end());
+        const int most = most_edges(mesh);
+        const bool is_bounded = kit::bound_valence(mesh, 16);
+        ++(is_bounded ? bounded : failed);
+        CHECK(is_bounded == (most_edges(mesh) <= 16));
+        CHECK(most_edges(mesh) <= std::max(16, most));
+        hmesh_test::prove(mesh);
+        for (hmesh::Triangle t : mesh.faces) {
+            bool is_old = false;
+            for (int turn = 0; turn < 3; ++turn) {
+                std::rotate(t.begin(), t.begin() + 1, t.end());
+                is_old = is_old || before.count(t) > 0;
+            }
+            if (!is_old) CHECK(kit::orient2d(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]) >= 0.25);
+        }
+    }
+    CHECK(bounded > 0);
+    CHECK(failed > 0);
+}
+
+TEST_CASE("a vertex on the border, which has an edge more than faces, is bounded too") {
+    for (int count = 12; count < 20; ++count) {
+        std::vector<Point> points = {{128, 0}};
+        for (int k = 0; k < count; ++k) {
+            const double angle = 3.141592653589793 * (k + 0.5) / count;
+            points.push_back(kit::snap({128 + 100 * std::cos(angle), 100 * std::sin(angle)}));
+        }
+        const auto image = hmesh_test::noise<std::uint8_t, 1>(256, 256, 1);
+        kit::IndexedMesh<1> mesh = kit::delaunay_mesh(kit::ImageSource<1>(image.view()), kit::triangulate(256, 256, points));
+        CHECK(kit::bound_valence(mesh, 16));
+        CHECK(most_edges(mesh) <= 16);
+        hmesh_test::prove(mesh);
+    }
+}
+
+TEST_CASE("along the axes on which an image repeats pixels on its sides are left out, unless it has no others") {
+    for (const int width : {1, 2, 5})
+        for (const int height : {1, 2, 4})
+            for (const hmesh::Periodic periodic :
+                 {hmesh::Periodic::none, hmesh::Periodic::x, hmesh::Periodic::y, hmesh::Periodic::xy}) {
+                kit::Array<std::uint32_t> pixels, expected;
+                for (int y = 0; y < height; ++y)
+                    for (int x = 0; x < width; ++x) {
+                        const auto pixel = static_cast<std::uint32_t>(y * width + x);
+                        const Point p = kit::pixel_vertex(pixel, width, height);
+                        const bool on_x = p.x == 0 || p.x == width, on_y = p.y == 0 || p.y == height;
+                        pixels.push_back(pixel);
+                        if (!(on_x && hmesh::kit::wraps_x(periodic)) && !(on_y && hmesh::kit::wraps_y(periodic)))
+                            expected.push_back(pixel);
+                    }
+                kit::leave_out_sides(pixels, width, height, periodic);
+                CHECK(pixels == expected);
+            }
+}
+
+TEST_CASE("of the pixels that crowd around a vertex with as many edges as asked for every second is left out") {
+    constexpr int side = 64, limit = 16;
+    for (const int count : {limit - 1, limit, 40}) {
+        kit::Array<std::uint32_t> pixels = {20 * side + 32, 2 * side + 5, 60 * side + 50};
+        for (int k = 0; k < count; ++k) {
+            const double angle = 6.283185307179586 * k / count;
+            const int x = static_cast<int>(32.5 + 15 * std::cos(angle)), y = static_cast<int>(20.5 + 15 * std::sin(angle));
+            pixels.push_back(static_cast<std::uint32_t>(y * side + x));
+        }
+        Delaunay delaunay(side, side);
+        REQUIRE(kit::insert_pixels(delaunay, pixels, [] { return true; }));
+        const std::vector<hmesh::Triangle> faces = delaunay.topology().triangles();
+        kit::Array<Point> positions;
+        for (const kit::Vertex v : delaunay.topology().vertices()) positions.push_back(delaunay.position(v));
+        // The vertices of faces of a vertex with so many of them.
+        kit::Array<std::uint32_t> expected;
+        int crowded = 0;
+        for (const std::uint32_t pixel : pixels) {
+            bool is_crowded = false;
+            for (const hmesh::Triangle& face : faces)
+                for (const std::uint32_t center : face) {
+                    const auto has = [](std::uint32_t v) {
+                        return [v](const hmesh::Triangle& t) { return std::count(t.begin(), t.end(), v) > 0; };
+                    };
+                    if (std::count_if(faces.begin(), faces.end(), has(center)) < limit) continue;
+                    for (const std::uint32_t v : face)
+                        is_crowded = is_crowded || positions[v] == kit::pixel_vertex(pixel, side, side);
+                }
+            if (!is_crowded || ++crowded % 2 == 0) expected.push_back(pixel);
+        }
+        CHECK(kit::leave_out_crowd(pixels, positions, faces, side, side, limit) == (crowded > 0));
+        CHECK((crowded > 0) == (count >= limit));
+        CHECK(pixels == expected);
+    }
 }
