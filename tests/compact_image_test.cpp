@@ -268,15 +268,17 @@ TEST_CASE("progress never falls and ends at 1; what is cancelled gives no bytes"
     CompactImageOptions options = bytes(100);
     double last = 0;
     int calls = 0, most = -1;
-    bool has_fallen = false;
+    bool has_fallen = false, has_mesh = false;
     const auto progress = [&](const hmesh::ProgressInfo& info) {
         has_fallen = has_fallen || info.total < last;
         last = info.total;
+        has_mesh = has_mesh || info.mesh_so_far;  // which would be one of another size
         return ++calls != most;
     };
     options.progress = progress;
     CHECK(compact_image(image.view(), options, quick()).status);
     CHECK(!has_fallen);
+    CHECK(!has_mesh);
     CHECK(last == 1);
     const int all = calls;
     for (const int call : {1, 2 + all / 4, 3 + all / 2, all - 1, all}) {

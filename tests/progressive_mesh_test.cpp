@@ -160,6 +160,12 @@ TEST_CASE("what is no mesh of the image, and options out of range, are refused w
     hmesh::Options repeating;
     repeating.periodic = hmesh::Periodic::x;
     check_refused(progressive_mesh(image.view(), mesh, repeating), Errc::invalid_argument, "do not repeat");
+    Mesh repeats = mesh;
+    repeats.periodic = hmesh::Periodic::x;
+    check_refused(progressive_mesh(image.view(), repeats), Errc::invalid_argument, "do not repeat");
+    hmesh::Options weighted;
+    weighted.channel_weights = {1, 2, 3};
+    check_refused(progressive_mesh(image.view(), mesh, weighted), Errc::invalid_argument, "channel_weights");
 }
 
 TEST_CASE("progress rises to 1, a cancellation leaves no levels, and any executor gives the same bytes") {
