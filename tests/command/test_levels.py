@@ -101,12 +101,14 @@ def test_each_level_is_one_surface_within_its_bound_and_says_how_far_it_is_off_a
     assert index["triangles"] == index["levels"][0]["triangles"] > index["levels"][1]["triangles"] > index["levels"][2]["triangles"]
 
 
-@pytest.mark.parametrize("width, height", [(WIDTH, HEIGHT), (66, 34), (131, 65)])  # tiles of 66: the last one has nothing above it
-def test_a_tileset_is_a_tree_in_which_four_tiles_replace_one(terrain, width, height):
-    index = make(terrain, ground(width, height))
+@pytest.mark.parametrize("width, height, options, z_scale", [
+    (WIDTH, HEIGHT, "", 1), (66, 34, "", 1),  # the last of the tiles of 66 has nothing above it
+    (131, 65, "--scale 2 --z-scale 3", 6)])
+def test_a_tileset_is_a_tree_in_which_four_tiles_replace_one(terrain, width, height, options, z_scale):
+    index = make(terrain, ground(width, height), options)
     tileset = json.loads(read("job/tiles/tileset.json"))
     assert tileset["root"]["refine"] == "REPLACE" and tileset["geometricError"] >= tileset["root"]["geometricError"]
-    errors = {tile["file"]: tile["input_error"] for tile in index["tiles"]}
+    errors = {tile["file"]: tile["input_error"] * z_scale for tile in index["tiles"]}
     found = []
     for node, parents in nodes(tileset["root"]):
         for parent in parents:
@@ -118,7 +120,8 @@ def test_a_tileset_is_a_tree_in_which_four_tiles_replace_one(terrain, width, hei
         name = node["content"]["uri"]
         found.append(name)
         level, x, y = (int(number) for number in name.replace(".glb", "").replace("_", "/").split("/"))
-        assert node["geometricError"] == 0 if level == 0 else node["geometricError"] >= errors[name]
+        below = [child["geometricError"] for child in node.get("children", [])]
+        assert node["geometricError"] == pytest.approx(max(errors[name], *below) if below else 0)
         above = [parent["content"]["uri"] for parent in parents if "content" in parent]
         assert above == [name for name in (f"{k}/{x >> k - level:04}_{y >> k - level:04}.glb" for k in range(LEVELS - 1, level, -1)) if name in errors]
         assert all(low <= at <= high for vertex in read_model(f"job/tiles/{name}").vertices for (low, high), at in zip(span(node), vertex))

@@ -160,8 +160,9 @@ Json tileset_value(const Plan& plan, const Georeference& place, const std::vecto
     if (root.is_null()) root = {{"boundingVolume", box_value(box)}, {"geometricError", 0}};
     root["refine"] = "REPLACE";
     if (place.is_geographic) root["transform"] = transform_value(plan, place);
+    const double unit = place.is_geographic ? plan.arguments.scale : 1;  // viewers scale errors of the tree by its transform
     return {{"asset", {{"version", "1.1"}, {"generator", "hmesh " HMESH_VERSION_STRING}}},
-            {"geometricError", diagonal(box) / plan.arguments.scale},
+            {"geometricError", diagonal(box) / unit},
             {"root", std::move(root)}};
 }
 
