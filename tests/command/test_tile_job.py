@@ -3,7 +3,6 @@ import json
 import math
 import os
 import random
-import re
 import resource
 import shutil
 import struct
@@ -96,6 +95,9 @@ def test_the_whole_is_one_surface_of_as_many_vertices_as_asked_for_and_of_the_ps
     for t in index["tiles"]:
         inside = {(x, y) for x in range(t["x"], t["x"] + t["width"]) for y in range(t["y"], t["y"] + t["height"])}
         assert abs(psnr_of({place: wanted[place] for place in inside}, picture) - t["psnr"]) < 1e-6
+        off = max(abs(a - b) for place in inside for a, b in zip(wanted[place], picture[place]))
+        assert off == pytest.approx(t["max_error"], abs=1e-3)
+    assert index["max_error"] == max(t["max_error"] for t in index["tiles"])
 
     def error(places):
         errors = [sum((a - b) ** 2 for a, b in zip(wanted[place], picture[place])) for place in places]
@@ -118,6 +120,19 @@ def test_vertices_go_where_they_are_worth_most(hmesh):
     assert counts[True] > 1.5 * counts[False]
 
 
+def test_a_tile_alone_is_the_mesh_that_the_command_makes_of_the_image_with_its_share_and_tolerance(hmesh):
+    samples = [257 * sample(x + 100, y, 0) for y in range(50) for x in range(60)]
+    Path("deep.pgm").write_bytes(b"P5 60 50 65535\n" + struct.pack(">3000H", *samples))
+    plan(hmesh, "--tile 64 --rate 6 --effort fast --seed 7", "deep.pgm")
+    finish(hmesh)
+    shares = json.loads(read("job/done/shares_0.json"))["facts"]
+    options = f"--samples points --vertices {shares['vertices'][0]} --border-tolerance {shares['tolerance']} --effort fast"
+    hmesh.done(f"deep.pgm -o one.hmc -q --seed 7 {options}")
+    hmesh.done(f"deep.pgm -o other.hmc -q --seed 8 {options}")
+    hmesh.done("job join job -o whole.hmc -q")
+    assert read("other.hmc") != read("one.hmc") == read("job/tiles/0/0000_0000.hmc") == read("whole.hmc")
+
+
 @pytest.mark.parametrize("kind", ["glb", "ply"])
 def test_tiles_in_a_folder_stand_in_their_places_and_meet_bit_for_bit(hmesh, kind):
     plan(hmesh)
@@ -125,6 +140,7 @@ def test_tiles_in_a_folder_stand_in_their_places_and_meet_bit_for_bit(hmesh, kin
     hmesh.done(f"job join job -o served --format {kind} -q")
     index = json.loads(read("served/index.json"))
     assert len(index["tiles"]) == 12 and sums("served").items() >= {t["file"]: t["sha256"] for t in index["tiles"]}.items()
+    assert all(t["bytes"] == Path("served", t["file"]).stat().st_size for t in index["tiles"])
     reader = {"glb": read_glb, "ply": read_ply}[kind]
     sides = {}
     for t in index["tiles"]:
@@ -188,9 +204,10 @@ def test_levels_are_meshes_of_the_image_at_half_the_size_each_and_stand_in_one_p
     assert shares == ["shares_0", "shares_1", "shares_2"]
     finish(hmesh)
     assert "joined     2070 vertices" in hmesh.done("job join job -o whole.ply")  # of level 0
-    assert re.search(r"\nPSNR       \d+\.\d\d dB of the samples", hmesh.done("job join job -o whole.ply"))
-    hmesh.done("job join job -o served --format ply -q")
+    told = hmesh.done("job join job -o served --format ply")
     index = json.loads(read("served/index.json"))
+    finest = index["levels"][0]
+    assert f"\nseams      {finest['shared']} vertices shared\nPSNR       {finest['psnr']:.2f} dB of the samples" in told
     assert [level["step"] for level in index["levels"]] == [1, 2, 4]
     assert [level["vertices"] for level in index["levels"]] == [2070, 518, 129]
     assert [(level["width"], level["height"]) for level in index["levels"]] == [(230, 150), (115, 75), (58, 38)]
@@ -223,6 +240,19 @@ def test_levels_are_meshes_of_the_image_at_half_the_size_each_and_stand_in_one_p
         1 for level, column, row in places for other in ((level, column + 1, row), (level, column, row + 1)) if other in places)
 
 
+@pytest.mark.parametrize("width, height", [(12, 300), (8250, 4)])
+def test_levels_of_tiles_that_are_read_in_parts_are_means_of_the_image_everywhere(hmesh, width, height):
+    wave = lambda x, y, c: round(128 + 100 * math.sin((x + y) / 40))
+    draw("long.pgm", 1, width, height, wave)
+    tasks = plan(hmesh, "--rate 10 --tile 65536 --levels 2 --effort draft", "long.pgm")
+    run(hmesh, [task for phase in tasks[:3] for task in phase if "s_1" in task or "_1_" in task])
+    hmesh.done("job/tiles/1/0000_0000.hmc -o tile.ply -q")
+    picture = shown(downward(read_ply("tile.ply")), width // 2, height // 2)
+    errors = [color[0] - mean_around(2 * x, 2 * y, 2, 1, wave, width, height)[0] for (x, y), color in picture.items()]
+    energy = json.loads(read("job/done/tile_1_0000_0000.json"))["facts"]["energy"]
+    assert sum(error * error for error in errors) == pytest.approx(energy, rel=1e-5)
+
+
 @pytest.mark.parametrize("wanted, vertices", [(130, [130, 33, 8, 4]), (1000, [256, 64, 16, 4])])
 def test_levels_have_a_fourth_of_the_vertices_each_but_four_at_least_and_one_a_sample_at_most(hmesh, wanted, vertices):
     draw("small.pgm", 1, 16, 16, lambda x, y, c: 77)
@@ -252,6 +282,11 @@ def test_colours_of_what_is_transparent_do_not_show_at_any_level(hmesh):
     for path in [*Path("served/1").iterdir(), *Path("served/2").iterdir()]:
         colors = set(read_ply(path)[1])
         assert {color[:3] for color in colors} == {(200, 40, 10)} and all(80 < color[3] < 160 for color in colors)
+    Image.new("RGBA", (70, 70), (200, 40, 10, 0)).save("nothing.png")
+    plan(hmesh, "--rate 20 --tile 64 --effort draft --levels 2", "nothing.png", "other")
+    finish(hmesh, "other")
+    hmesh.done("job join other -o nothing --format ply -q")
+    assert set(read_ply(*Path("nothing/1").iterdir())[1]) == {(200, 40, 10, 0)}
 
 
 def test_fine_detail_that_is_meshed_well_is_foretold(hmesh):
@@ -270,6 +305,46 @@ def test_slopes_are_foretold_as_what_a_mesh_shows(hmesh):
     finish(hmesh)
     whole = json.loads(hmesh.done("heights.pgm -o whole.ply --samples points --rate 2 --effort draft --json"))
     assert json.loads(read("job/tiles/index.json"))["psnr"] > whole["psnr"] - 0.5
+
+
+def test_shares_are_those_at_which_one_more_vertex_is_worth_the_same(hmesh):
+    draw(width=129, height=65)
+    looks, (shares,), *_ = plan(hmesh, "--tile 64 --vertices 300")
+    run(hmesh, looks)
+
+    def share(*trials, sides=lambda k: [2] * 4, lost=0):
+        """Of two tiles of 65 x 65 samples; tolerance k is 63.75 halved k / 2 times, or 0.7 of the one before."""
+        counts = [sides(k) for k in range(18)]
+        for name, trial in zip(looks, trials):
+            forge(f"job/done/{name}.json", facts={"trials": trial, "lost": lost, "pixels": 65 * 65, "sides": counts})
+        Path(f"job/done/{shares}.json").unlink(missing_ok=True)
+        run(hmesh, [shares])
+        facts = json.loads(read(f"job/done/{shares}.json"))["facts"]
+        return facts["vertices"], facts["tolerance"]
+
+    falling = lambda factor: [[n, factor / n ** 2] for n in (800, 400, 200)]  # whose slopes are as 1 / n^3
+    of_error = lambda error: error ** 2 * 65 * 65 * 3  # of each tile
+    (few, many), tolerance = share(falling(1e3), falling(8e3), lost=of_error(20 / 1.4))
+    assert few + many == 302 and abs(many - 2 * few) <= 2 and tolerance == 63.75 / 4  # the first one within 1.4 times the error
+    odd = falling(1e3)
+    odd[1][1] = odd[0][1]  # of half as many vertices and no more error, from which nothing is to be learnt
+    assert share(odd, falling(8e3))[0] == [few, many]
+    assert share(falling(1), falling(1e9), sides=lambda k: [10] * 4)[0] == [72, 310 - 72]  # twice what sides need
+    heavy = lambda k: [2 if k < 3 else 40] * 4
+    assert share(falling(1e3), falling(1e3), sides=heavy)[1] == 63.75 / 2  # not more than half of all for sides
+    kinked = [[80, 0.9e6], [40, 1e6], [20, 4e6]]  # worth 50,000 each up to there, 3,800 beyond
+    assert share(kinked, falling(5e3 * 262 ** 3))[0] == [40, 262]
+
+
+def test_a_large_tile_is_looked_at_at_a_quarter_of_its_size_and_foretells_what_a_mesh_of_all_its_pixels_errs_by(hmesh):
+    Image.open("picture.png").convert("L").resize((820, 801)).save("large.pgm")
+    looks, *_ = plan(hmesh, "--rate 3.1", "large.pgm")
+    count = round(820 * 801 * 0.031) // 2  # above 10000: a fourth of it in a sixteenth of the pixels
+    assert run(hmesh, looks) == f"look_0_0000_0000  {count // 4} vertices tried\n"
+    found = json.loads(read("job/done/look_0_0000_0000.json"))["facts"]
+    assert [vertices for vertices, _ in found["trials"]] == [count // 4, count // 8, count // 16]
+    whole = json.loads(hmesh.done(f"large.pgm -o whole.hmc --samples points --vertices {count // 4} --effort draft --json"))
+    assert found["lost"] + found["trials"][0][1] == pytest.approx(whole["energy"], rel=0.2)
 
 
 @pytest.mark.parametrize("scale", [None, 2.0 ** -12, 1, 2.0 ** 40])
@@ -295,7 +370,8 @@ def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, sc
 def test_tiles_that_do_not_meet_are_counted_and_not_joined(hmesh):
     draw(width=128, height=128)
     looks, shares, made, seams, index = plan(hmesh)
-    plan(hmesh, OPTIONS + " --border-tolerance 40", folder="other")
+    draw("other.ppm", width=128, height=128, value=lambda x, y, c: (sample(x, y, c) + 99 * (y > 40)) % 256)  # in its corners, too
+    plan(hmesh, OPTIONS + " --border-tolerance 40", "other.ppm", "other")
     run(hmesh, looks + shares + made)
     finish(hmesh, "other")
     name = "tiles/0/0000_0001.hmc"
@@ -500,6 +576,27 @@ def test_images_and_numbers_that_make_no_tiles_are_refused(hmesh):
     plan(hmesh, "--tile 64 --vertices 30 --border-tolerance 1")
     run(hmesh, phases()[0])
     hmesh.fails("the sides of 12 tiles need", "job run job shares_0")
+
+
+def test_as_many_vertices_as_a_rate_rounds_to_and_no_more_tiles_than_a_job_may_have(hmesh):
+    assert ", 8 x 8 px, 9 vertices\n" in hmesh.done("job plan constant.pgm -o job --rate 13.3")  # of 8.512
+    with open("large.pgm", "wb") as file:  # a hole, but for its head
+        file.write(b"P5 20289 20289 255\n")
+        file.truncate(file.tell() + 20289 ** 2)
+    hmesh.fails("large.pgm' would be 100489 tiles, more than 100000: take larger ones by --tile",
+                "job plan large.pgm -o other --tile 64")
+    assert not Path("other").exists()
+
+
+def test_an_image_of_as_many_bytes_and_other_samples_is_not_the_planned_one(hmesh):
+    (look, *_), *_ = plan(hmesh, "--rate 20", "grey16.pgm")
+    size, written = len(read("grey16.pgm")), os.stat("grey16.pgm")
+    head = b"P5\n20 16 #".ljust(size - 20 * 16 - 5, b".") + b"\n255\n"
+    Path("grey16.pgm").write_bytes(head + bytes(20 * 16))
+    os.utime("grey16.pgm", ns=(written.st_atime_ns, written.st_mtime_ns))
+    assert len(read("grey16.pgm")) == size
+    hmesh.fails("it has 20 x 16 samples of 1 channels and 8 bits, and had 20 x 16 samples of 1 channels and 16 bits",
+                f"job run job {look}")
 
 
 @pytest.mark.parametrize("words, sentence", rows("""
