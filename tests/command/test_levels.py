@@ -9,6 +9,7 @@ import dems
 from conftest import read
 from dems import Model, as_float, ground, judge, read_model, with_holes
 from jobs import finish, phases, run, sums, tiles
+from test_terrain import needs_gdal
 
 WIDTH, HEIGHT, CELLS, BOUND, LEVELS = 120, 75, 16, 9, 3
 OPTIONS = f"--effort fast --tiles {CELLS} --levels {LEVELS}"
@@ -101,6 +102,18 @@ def test_each_level_is_one_surface_within_its_bound_and_says_how_far_it_is_off_a
     assert index["triangles"] == index["levels"][0]["triangles"] > index["levels"][1]["triangles"] > index["levels"][2]["triangles"]
 
 
+@pytest.mark.parametrize("words", ["--max-error {}", "--vertices 80 --border-tolerance {}"])
+def test_a_level_is_the_model_of_every_second_sample_with_twice_the_tolerance(terrain, words):
+    heights = ground(65, 49)
+    Path("dem.asc").write_bytes(dems.asc(heights))
+    Path("thin.asc").write_bytes(dems.asc(thinned(heights, 2), cell=2))
+    terrain.done(f"job plan dem.asc -o job {words.format(7)} --effort fast --tiles {CELLS} --levels 2 -q")
+    finish(terrain)
+    terrain.done(f"thin.asc -o one.glb {words.format(14)} --effort fast --tiles {CELLS} -q")
+    for x, y in [(0, 0), (0, 1), (1, 0), (1, 1)]:
+        assert read(f"one_{x}_{y}.glb") == read(f"job/tiles/1/{x:04}_{y:04}.glb")
+
+
 @pytest.mark.parametrize("width, height, options, z_scale", [
     (WIDTH, HEIGHT, "", 1), (66, 34, "", 1),  # the last of the tiles of 66 has nothing above it
     (131, 65, "--scale 2 --z-scale 3", 6)])
@@ -154,20 +167,22 @@ def test_levels_leave_out_what_has_no_data(terrain):
         assert judge(thinned(heights, step), whole(tile["file"] for tile in of_level(index, k)), place, may_be_open=is_seam) <= BOUND * step
 
 
-@pytest.mark.parametrize("west, north, across, down", [(530, 380, 6, 4), (531, 379, 7, 6), (531, 378, 10, 7)])
-def test_zooms_of_cesiums_grid_have_the_tiles_that_lie_within_the_input(terrain, west, north, across, down):
+@pytest.mark.parametrize("west, north, across, down, options", [
+    (530, 380, 6, 4, ""), (531, 379, 7, 6, "--no-normals"), (531, 378, 10, 7, "")])
+def test_zooms_of_cesiums_grid_have_the_tiles_that_lie_within_the_input(terrain, west, north, across, down, options):
     side, cells = 180 / 2 ** 9, 8
     heights = ground(across * cells + 1, down * cells + 1)
     Path("dem.asc").write_bytes(dems.asc(heights))
     w, n = -180 + west * side, -90 + (north + 1) * side
     levels = 2 if across < 8 else 3
     terrain.done(f"job plan dem.asc -o job --max-error {BOUND} --effort fast --tiles {cells} --levels {levels} --format terrain "
-                 f"--extent {w},{n - down * side},{w + across * side},{n} -q")
+                 f"--extent {w},{n - down * side},{w + across * side},{n} -q {options}")
     finish(terrain)
     fine = {(x, y) for x in range(west, west + across) for y in range(north - down + 1, north + 1)}
     names = {f"{9 - k}/{x >> k}/{y >> k}.terrain" for k in range(levels) for x, y in fine
              if all(((x >> k << k) + a, (y >> k << k) + b) in fine for a in range(2 ** k) for b in range(2 ** k))}
     layer = json.loads(read("job/tiles/layer.json"))
+    assert layer["extensions"] == ([] if options else ["octvertexnormals"])
     available = {f"{zoom}/{x}/{y}.terrain" for zoom, runs in enumerate(layer["available"]) for r in runs
                  for x in range(r["startX"], r["endX"] + 1) for y in range(r["startY"], r["endY"] + 1)}
     assert available == names == set(tiles()) - {"layer.json", "index.json"} and len({name[0] for name in names}) == levels
@@ -192,11 +207,14 @@ def test_skirts_hang_from_the_sides_as_deep_as_any_crack_to_another_level_is(ter
         terrain.done(f"job join {folder} -o {folder}.ply -q")
     assert read("plain.ply") == read("job.ply")
     index, lines = json.loads(read("job/tiles/index.json")), {}
+    tree = nodes(json.loads(read("job/tiles/tileset.json"))["root"])
+    boxes = {node["content"]["uri"]: span(node) for node, _ in tree if "content" in node}
     for tile in index["tiles"]:
         name = tile["file"]
         model, plain = read_model(f"job/tiles/{name}"), read_model(f"plain/tiles/{name}")
         assert (model.vertices, model.faces, model.normals) == (plain.vertices, plain.faces, plain.normals)
         walls, faces = hanging(f"job/tiles/{name}")
+        assert all(low <= at <= high for vertex in walls for (low, high), at in zip(boxes[name], vertex))
         step = 2 ** tile["level"]
         west, north = tile["column"] * step, HEIGHT - 1 - tile["row"] * step
         sides = {(0, west), (0, west + (tile["width"] - 1) * step), (1, north), (1, north - (tile["height"] - 1) * step)}
@@ -228,6 +246,36 @@ def test_skirts_hang_from_the_sides_as_deep_as_any_crack_to_another_level_is(ter
                         widest = max(widest, abs(a - b))
                         assert abs(a - b) <= min(one["skirt"], other["skirt"])
     assert compared > 1000 and widest > 2 * BOUND
+
+
+def test_levels_of_heights_of_64_bits_say_how_far_they_are_off_these(terrain):
+    needs_gdal(terrain)
+    heights = [[2 ** 24 + 0.37 * z for z in row] for row in ground(65, 33)]  # floats are 2 apart there
+    Path("dem.tif").write_bytes(dems.geotiff(heights, kind="d"))
+    terrain.done(f"job plan dem.tif -o job --max-error {BOUND} --effort fast --tiles {CELLS} --levels 2 -q")
+    finish(terrain)
+    for tile in json.loads(read("job/tiles/index.json"))["tiles"]:
+        step, model = 2 ** tile["level"], read_model(f"job/tiles/{tile['file']}")
+        west, north, wide, high = (step * at for at in (tile["column"], tile["row"], tile["width"] - 1, tile["height"] - 1))
+        samples = [row[west : west + wide + 1] for row in heights[north : north + high + 1]]
+        for part, told in [(1, "input_error"), (step, "max_error")]:
+            place = lambda x, y, z, s=part: ((x - west) / s, (32 - y - north) / s, z)
+            assert judge(thinned(samples, part), model, place) <= tile[told]
+
+
+def test_skirts_reach_into_pits_of_their_rows_that_a_level_leaves_out(terrain):
+    pits = {(2, 0), (2, 8), (0, 2), (8, 2)}  # between samples 0 and 4 of level 2
+    heights = [[100 if (x, y) in pits else 300 for x in range(9)] for y in range(9)]
+    Path("dem.asc").write_bytes(dems.asc(heights))
+    terrain.done("job plan dem.asc -o job --max-error 1 --tiles 2 --levels 3 --skirts -q")
+    finish(terrain)
+    found = []
+    for tile in json.loads(read("job/tiles/index.json"))["tiles"]:
+        west, north, east, south = (2 ** tile["level"] * at for at in (
+            tile["column"], tile["row"], tile["column"] + tile["width"] - 1, tile["row"] + tile["height"] - 1))
+        if any((x in (west, east) or y in (north, south)) and west <= x <= east and north <= y <= south for x, y in pits):
+            found.append(tile["skirt"])
+    assert len(found) == 1 + 3 + 7 and min(found) > 200
 
 
 def test_more_levels_than_there_are_samples_or_tiles_for_are_refused(terrain):
