@@ -4,6 +4,7 @@ import os
 import random
 import resource
 import shutil
+import signal
 import struct
 import subprocess
 import time
@@ -12,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import dems
-from conftest import contents, is_failure, limit, read, rows
+from conftest import contents, is_failure, limit, read, rows, send_once_caught
 from dems import ground, judge, read_model, with_holes
 from jobs import finish, forge, kill_session, phases, receipts, run, sums, tiles
 
@@ -134,7 +135,9 @@ def test_a_folder_of_tiles_has_an_index_and_is_copied_again_where_it_differs(ter
     assert f"{len(TILES) + 2} files copied" in terrain.done("job join job -o served")
     assert tiles("served") == tiles()
     Path("served/0/0001_0001.glb").write_bytes(b"short")
-    assert f"1 file copied, {len(TILES) + 1} were there" in terrain.done("job join job -o served")
+    content = read("served/0/0002_0001.glb")
+    Path("served/0/0002_0001.glb").write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    assert f"2 files copied, {len(TILES)} were there" in terrain.done("job join job -o served")
     assert tiles("served") == tiles()
 
 
@@ -143,7 +146,7 @@ def test_a_tileset_holds_each_tile_in_a_box_of_a_tree(terrain):
     finish(terrain)
     tileset = json.loads(read("job/tiles/tileset.json"))
     assert tileset["asset"]["version"] == "1.1" and tileset["root"]["refine"] == "REPLACE"
-    found = []
+    found, inner = [], []
 
     def walk(node, around, error):
         box = node["boundingVolume"]["box"]
@@ -151,6 +154,7 @@ def test_a_tileset_holds_each_tile_in_a_box_of_a_tree(terrain):
         assert all(low >= a and high <= b for (low, high), (a, b) in zip(span, around)) and node["geometricError"] <= error
         for child in node.get("children", []):
             walk(child, span, node["geometricError"])
+        inner.append("children" in node)
         assert len(node.get("children", [])) <= 4 and ("content" in node) == (node["geometricError"] == 0)
         if "content" in node:
             found.append(node["content"]["uri"])
@@ -159,6 +163,7 @@ def test_a_tileset_holds_each_tile_in_a_box_of_a_tree(terrain):
 
     walk(tileset["root"], [(-1e9, 1e9)] * 3, tileset["geometricError"])
     assert sorted(found) == [f"0/{x:04}_{y:04}.glb" for x in range(4) for y in range(3)]
+    assert sum(inner) == 5  # all, and four parts of two columns and one or two rows
 
 
 def test_tiles_of_cesiums_grid_have_its_names_and_a_layer(terrain):
@@ -180,6 +185,19 @@ def test_tiles_of_cesiums_grid_have_its_names_and_a_layer(terrain):
     terrain.fails("join them into a folder", "job join job -o whole.ply")
     off = "job plan dem.pgm -o off --max-error 9 --tiles 16 --format terrain --extent 7,45,8,46"
     assert "no layer.json" in terrain.done(off) and "docs/jobs.md" in terrain.done(off) and terrain.done(f"{off} -q") == ""
+
+
+@pytest.mark.parametrize("across, down, left, up, wide, high", [
+    (2, 2, 0, 0, 1, 1), (2.25, 2, 0, 0, 1, 1), (2, 2.25, 0, 0, 1, 1), (2, 2, 0.25, 0, 1, 1), (2, 2, 0, 0.25, 1, 1),
+    (2, 2, 0, 0, 3, 3), (2, 2, 0, 0, 1, 2)])
+def test_tiles_beside_cesiums_grid_or_cut_off_or_no_squares_have_no_layer(terrain, across, down, left, up, wide, high):
+    side, cells = 180 / 2 ** 9, 8
+    write("dem.pgm", dems.pgm(ground(round(across * cells) + 1, round(down * cells) + 1)))
+    west, south = -180 + (528 + left) * side, -90 + (384 + up - high * down) * side
+    extent = f"{west!r},{south!r},{west + wide * across * side!r},{south + high * down * side!r}"
+    text = terrain.done(f"job plan dem.pgm -o job --max-error 9 --tiles {cells} --format terrain --extent {extent}")
+    is_grid = (across, down, left, up, wide, high) == (2, 2, 0, 0, 1, 1)
+    assert ("no layer.json" in text) == (not is_grid) == (json.loads(read("job/plan.json"))["globe"] is None)
 
 
 def test_samples_without_data_and_tiles_of_none(terrain):
@@ -216,6 +234,33 @@ def test_tiles_that_do_not_meet_are_not_joined_unawares(terrain):
     assert len(edges(read_model("whole.ply"))) > 100
 
 
+def test_tiles_that_are_shaded_otherwise_along_their_seam_do_not_meet(terrain):
+    first, *_ = plan(terrain)
+    run(terrain, first)
+    name = "tiles/0/0001_0001.glb"
+    tile = bytearray(read(f"job/{name}"))
+    size = struct.unpack_from("<I", tile, 12)[0]
+    head = json.loads(tile[20 : 20 + size])
+    view = head["bufferViews"][head["accessors"][head["meshes"][0]["primitives"][0]["attributes"]["NORMAL"]]["bufferView"]]
+    for at in range(28 + size + view["byteOffset"], 28 + size + view["byteOffset"] + view["byteLength"], 4):
+        tile[at] ^= 1  # the last bit of each number
+    write(f"job/{name}", bytes(tile))
+    forge("job/done/tile_0_0001_0001.json", files=[{"name": name, "bytes": len(tile), "sha256": sums()[name[6:]]}])
+    finish(terrain)
+    terrain.fails("first of tile_0_0001_0000 and tile_0_0001_0001", "job join job -o whole.ply")
+
+
+@pytest.mark.parametrize("hole", [(31, 8), (33, 8), (8, 31), (8, 33)])
+def test_a_hole_beside_a_seam_in_either_tile_is_no_fault(terrain, hole):
+    heights = [[None if (x, y) == hole else z for x, z in enumerate(row)] for y, row in enumerate(ground(50, 50))]
+    write("dem.asc", dems.asc(heights))
+    plan(terrain, dem="dem.asc")
+    finish(terrain)
+    seams = json.loads(read("job/tiles/index.json"))["seams"]
+    assert seams["open"] == 0 < seams["no_data"] and seams["first"] == ""
+    terrain.done("job join job -o whole.ply -q")
+
+
 # ---- what is done ----
 def test_a_task_that_is_done_is_not_done_again_and_says_so(terrain):
     plan(terrain)
@@ -237,7 +282,7 @@ def test_status_tells_what_is_done_ready_missing_and_damaged(terrain):
         assert ran.stderr == ""
         return ran.returncode, ran.stdout
 
-    assert status("--ready") == (1, "".join(task + "\n" for task in first))
+    assert status("--ready") == status("--ready -q") == (1, "".join(task + "\n" for task in first))
     run(terrain, first[:8])
     code, text = status()
     assert code == 1 and "tiles: 8 of 12 tasks done" in text and "seams: 0 of 3 tasks done" in text
@@ -300,7 +345,9 @@ def test_input_that_is_missing_damaged_or_foreign_is_named_and_nothing_is_writte
         before = contents()
         terrain.fails(sentence, f"job run job {seams[0]}")
         assert contents() == before
-        assert f"11 of 12 tasks done{'' if how == 'undone' else ', 1 damaged'}\n" in terrain.run("job status job").stdout
+        text = terrain.run("job status job").stdout
+        assert f"11 of 12 tasks done{'' if how == 'undone' else ', 1 damaged'}\n" in text
+        assert how == "undone" or ("foreign    " if how in ("foreign", "renamed") else "damaged    ") + sentence in text
         assert run(terrain, ["tile_0_0001_0000"]).count("off by at most") == 1 and sums() == whole
     run(terrain, seams)
 
@@ -338,12 +385,18 @@ def test_what_is_no_plan_of_this_program_and_input_is_refused(terrain):
     for name in ["tile_0_0004_0000", "tile_0_0_0", "tile_1_0000_0000", "seams", "../plan", "tile_0_0000_0000_", "index2"]:
         fails(f"'{name}' is no task of this job", f"job run job {name}")
     fails("holds another plan", f"job plan dem.pgm -o job {OPTIONS} --scale 2")
+    dem, written = read("dem.pgm"), os.stat("dem.pgm")
+    write("dem.pgm", dem.replace(b"120 75", b"75 120"))
+    os.utime("dem.pgm", ns=(written.st_atime_ns, written.st_mtime_ns))
+    fails("is not the input that was planned: it has 75 x 120 samples, and had 120 x 75")
+    write("dem.pgm", dem)
     os.utime("dem.pgm", (1e9, 1e9))
     fails("has been written since")
     write("dem.pgm", read("dem.pgm") + b" ")
-    fails("is not the input that was planned: it has")
+    fails(f"is not the input that was planned: it has {len(dem) + 1} bytes, and had {len(dem)}")
+    fails("'.' is not the input that was planned: it is no plain file", "job run job tile_0_0000_0000 --input .")
     Path("dem.pgm").unlink()
-    fails("'")
+    fails("dem.pgm': there is no such file")
 
 
 def test_a_plan_that_goes_by_the_bytes_of_its_input_takes_a_copy_elsewhere(terrain):
@@ -361,6 +414,20 @@ def test_a_plan_that_goes_by_the_bytes_of_its_input_takes_a_copy_elsewhere(terra
     content[-1] ^= 1
     write("there/copy.pgm", bytes(content))
     terrain.fails("its bytes are others", "job run job tile_0_0001_0000 --input there/copy.pgm")
+
+
+def test_a_worker_that_is_interrupted_says_so_once_and_leaves_what_is_done(terrain):
+    write("dem.raw", dems.raw([[(x * 7919 + y * 104729 + x * y * 31) % 997 for x in range(601)] for y in range(601)]))
+    terrain.done("job plan dem.raw --size 601x601 -o job --max-error 300 --effort best --tiles 300 -q")
+    words = terrain.words(["job", "run", "job", *phases()[0]])
+    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, encoding="utf-8") as job:
+        send_once_caught(job, signal.SIGINT, 0.3)
+        out, err = job.communicate(timeout=60)
+    if job.returncode == 0:
+        pytest.skip("this machine was done before it was interrupted")
+    is_failure(subprocess.CompletedProcess(job.args, job.returncode, out, err), "interrupted")
+    assert len(receipts()) == len(tiles()) if Path("job/tiles").exists() else not receipts()
+    assert "damaged" not in terrain.run("job status job").stdout
 
 
 def test_workers_on_one_task_at_once_do_no_harm(terrain):
@@ -553,9 +620,10 @@ wc -l < ../submitted
         "--parsable --dependency=afterok:1 --kill-on-invalid-dep=yes --array=0-2 --partition=short slurm_task.sh phase_2.txt 1",
         "--parsable --dependency=afterok:2 --kill-on-invalid-dep=yes --array=0-0 --partition=short slurm_task.sh phase_3.txt 1"]
     terrain.done("job status job -q")
-    write("large.pgm", dems.pgm([[0] * 61] * 51))  # 3000 tiles: an element is some of them
-    terrain.done("job plan large.pgm -o large --max-error 1 --tiles 1 -q")
-    assert "submit 1000 phase_1.txt 3 " in Path("large/slurm.sh").read_text()
+    for width, height, elements in [(61, 51, 1000), (62, 42, 834)]:  # 3000 and 2501 tiles: an element is some of them
+        write(f"{width}.pgm", dems.pgm([[0] * width] * height))
+        terrain.done(f"job plan {width}.pgm -o job{width} --max-error 1 --tiles 1 -q")
+        assert f"submit {elements} phase_1.txt 3 " in Path(f"job{width}/slurm.sh").read_text()
 
 
 # ---- the command line ----
@@ -592,6 +660,7 @@ def test_wrong_usage_is_told_in_one_sentence_with_exit_status_2(terrain, sentenc
 
 FAILURES = rows("""
     'missing.pgm'                    | job plan missing.pgm -o x --max-error 1
+    a run has not finished writing    | job plan a.pgm.hmesh-part0 -o x --max-error 1
     does not say its degrees         | job plan dem.pgm -o x --max-error 1 --format terrain
     'dem.pgm' is no folder           | job plan dem.pgm -o dem.pgm --max-error 1
     is no plain file                 | job plan . -o x --max-error 1 --hash
