@@ -160,6 +160,13 @@ def test_samples_become_those_of_the_widest_image(hmesh, images, channels, bits)
     assert sum(map(len, (a[0] for name, a in Glb("x.glb").attributes.items() if name != "POSITION"))) >= channels
 
 
+def test_what_is_to_be_known_of_another_map_is_told(hmesh):
+    color = Image.open("color.ppm")
+    color.save("moving.gif", save_all=True, append_images=[Image.new("RGB", color.size)])
+    told = hmesh.done("color.ppm --with moving.gif -o x.glb --vertices 8")
+    assert re.search(r"^note +the file is animated: .*first .*taken$", told, re.M)
+
+
 def test_several_images_have_maps_of_their_own(maps):
     for name in ["albedo", "normal"]:
         Path(f"clay_{name}.png").write_bytes(read(f"rock_{name}.png"))

@@ -119,6 +119,9 @@ def test_json_tells_of_failures_too(hmesh):
     assert text["input"] == "text.png" and text["status"].startswith("cannot read 'text.png': ")
     assert "--vertices 100" in constant["status"] and run.stderr.count("\n") == 3
     assert [line[7:] for line in run.stderr.splitlines()[:2]] == [text["status"], constant["status"]]
+    run = hmesh.run("picture.png --psnr 60 --max-vertices 50 --effort draft --json")
+    missed, = lines(run.stdout)  # of the mesh that there is
+    assert run.returncode == 1 and 4 <= missed["vertices"] <= 50 and missed["status"] in run.stderr and missed["psnr"] < 60
 
 
 def test_quiet_says_what_fails_and_nothing_else(hmesh):

@@ -88,7 +88,8 @@ def test_a_picture_of_nothing_is_an_empty_mesh_in_every_format(icons):
         assert (report["status"], report["vertices"], report["faces"], report["psnr"]) == ("ok", 0, 0, "inf")
         assert report["opaque_faces"] == 0 and report["area"] == 0
     assert {"element vertex 0", "element face 0"} <= set(ply_header("air.ply"))
-    assert json_of("air.glb")["scenes"] == [{}]
+    icons.done("air.png --sprite --max-vertices 50 --glb packed -o packed.glb -q")
+    assert json_of("air.glb")["scenes"] == json_of("packed.glb")["scenes"] == [{}]
     assert all(is_whole(f"air.{kind}") for kind in ["pdf", "eps", "svg", "html"])
     assert Image.open("r.png").getextrema() == ((0, 0),) * 4
     assert icons.report("air.png --premultiplied --vertices 50 -o full.ply")["vertices"] == 50
