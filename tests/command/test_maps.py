@@ -139,6 +139,14 @@ def test_a_map_of_one_value_does_not_take_all_of_the_balance(maps):
     assert report[0]["weight"] == pytest.approx(1e-4) and report[0]["psnr"] > 20 and report[1]["psnr"] == "inf"
 
 
+def test_the_balance_counts_images_and_not_their_channels(maps):
+    rough = Image.open("rock_rough.png").convert("L")
+    rough.save("one.png")
+    Image.merge("RGB", [rough] * 3).save("three.png")  # of the same PSNR in any mesh
+    one, three = maps.report("one.png --with three.png --vertices 150 --channel-weights balanced")["maps"]
+    assert one["weight"] == 1 and three["weight"] == pytest.approx(1 / 3, rel=1e-3)
+
+
 def test_one_image_has_weights_of_its_channels(hmesh):
     plain, same, red = [hmesh.report("picture.png --vertices 100 " + more) for more in [
         "", "--channel-weights 2,2,2", "--channel-weights 1,0.01,0.01"]]
