@@ -456,7 +456,7 @@ def test_plans_at_once_leave_one_of_them_and_the_others_say_so(terrain):
 
 def test_a_plan_that_was_killed_while_it_was_written_can_be_made_again(terrain):
     Path("job").mkdir()
-    write("job/plan.json.hmesh-part0", b"{")
+    write("job/plan.json.hmesh-part0", b"{" * 9999)  # longer than what takes its place
     plan(terrain)
     assert not Path("job/plan.json.hmesh-part0").exists()
 
