@@ -2273,7 +2273,7 @@ class FlipCoder {
 
 /// The flips that lead from the Delaunay triangulation of points to one that has these edges, found by inserting one after the
 /// other; `mesh` is the former and becomes the latter. Sorted as FlipCoder wants them. False: an edge cannot be there, as it
-/// crosses another or leads over a point, or there are more flips than most_flips().
+/// leads over a point, or there are more flips than most_flips(). Of edges that cross the last stays: who calls has to look.
 /// After S. Sloan, "A fast algorithm for generating constrained Delaunay triangulations", 1993.
 class FlipFinder {
   public:
@@ -2944,7 +2944,7 @@ class CompactWriter {
                     "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips", body_.flips.size(),
                     FlipCoder::most_flips(points.size())};
         if (!are_there) return overlap;
-        // Its edges are there, so that each of its faces is, unless something lies in it.
+        // Its edges are there, unless some cross, so that each of its faces is, unless something lies in it.
         body_.faces = all_faces(whole);
         const std::vector<Triangle>& all = body_.faces;
         std::sort(faces.begin(), faces.end());

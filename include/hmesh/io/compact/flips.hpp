@@ -163,7 +163,7 @@ class FlipCoder {
 
 /// The flips that lead from the Delaunay triangulation of points to one that has these edges, found by inserting one after the
 /// other; `mesh` is the former and becomes the latter. Sorted as FlipCoder wants them. False: an edge cannot be there, as it
-/// crosses another or leads over a point, or there are more flips than most_flips().
+/// leads over a point, or there are more flips than most_flips(). Of edges that cross the last stays: who calls has to look.
 /// After S. Sloan, "A fast algorithm for generating constrained Delaunay triangulations", 1993.
 class FlipFinder {
   public:

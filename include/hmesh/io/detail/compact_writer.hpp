@@ -319,7 +319,7 @@ class CompactWriter {
                     "the mesh's triangles are too unlike Delaunay's for a compact file: it takes more flips", body_.flips.size(),
                     FlipCoder::most_flips(points.size())};
         if (!are_there) return overlap;
-        // Its edges are there, so that each of its faces is, unless something lies in it.
+        // Its edges are there, unless some cross, so that each of its faces is, unless something lies in it.
         body_.faces = all_faces(whole);
         const std::vector<Triangle>& all = body_.faces;
         std::sort(faces.begin(), faces.end());
