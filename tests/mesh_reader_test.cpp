@@ -108,6 +108,9 @@ TEST_CASE("so it does whatever the options ask for") {
     options.channel_weights = {0.3, 0, 1};
     check_same(image, options, in_tiles(Effort::draft));
     check_same(floats, options, in_tiles(Effort::draft));
+    auto last_is_lowest = floats;
+    last_is_lowest.pixel(60, 89)[0] = -2;
+    check_same(last_is_lowest, options, in_tiles(Effort::draft));
     options.channel_weights.clear();
     options.periodic = hmesh::Periodic::xy;
     check_same(floats, options, in_tiles(Effort::draft));
@@ -179,8 +182,8 @@ TEST_CASE("of large images no rectangle is large, and no pixel is read often") {
     CHECK(most < 80);  // where patches stand out of their tiles, as they do where points are far apart
 }
 
-TEST_CASE("whichever read fails, there is no mesh, the status names the rectangle, and nothing is read after it") {
-    const auto check_failures = [](const auto& image, const Options& options, int step) {
+TEST_CASE("whichever read fails, there is no mesh, the status names the rectangle, and nothing is read or told after it") {
+    const auto check_failures = [](const auto& image, Options options, int step) {
         using Reader = CountedReader<std::decay_t<decltype(*image.data())>, 3>;
         const hmesh::ViewReader<std::decay_t<decltype(*image.data())>, 3> view(image.view());
         Reader whole{view};
@@ -190,11 +193,18 @@ TEST_CASE("whichever read fails, there is no mesh, the status names the rectangl
         CHECK(whole.calls > 10);
         for (int k = 0; k < whole.calls; k += step) {
             Reader fails{view, k};
+            bool is_told = false;
+            const auto progress = [&](const hmesh::ProgressInfo&) {
+                is_told = is_told || fails.calls > k;
+                return true;
+            };
+            options.progress = progress;
             const ImageReader<std::decay_t<decltype(*image.data())>, 3> reader{image.width(), image.height(), fails};
             const Result result = mesh_image(reader, options, in_tiles(Effort::draft));
             REQUIRE(result.status.code == Errc::read_failed);
             CHECK(message(result.status).c_str() == words_of(fails.failed));
             CHECK(fails.calls == k + 1);
+            CHECK(!is_told);
             CHECK(!result.has_mesh());
             CHECK(result.report.vertices == 0);
         }
