@@ -232,10 +232,8 @@ TEST_CASE("of the pixels that crowd around a vertex with as many edges as asked 
             bool is_crowded = false;
             for (const hmesh::Triangle& face : faces)
                 for (const std::uint32_t center : face) {
-                    const auto has = [](std::uint32_t v) {
-                        return [v](const hmesh::Triangle& t) { return std::count(t.begin(), t.end(), v) > 0; };
-                    };
-                    if (std::count_if(faces.begin(), faces.end(), has(center)) < limit) continue;
+                    const auto has_it = [&](const hmesh::Triangle& t) { return std::count(t.begin(), t.end(), center) > 0; };
+                    if (std::count_if(faces.begin(), faces.end(), has_it) < limit) continue;
                     for (const std::uint32_t v : face)
                         is_crowded = is_crowded || positions[v] == kit::pixel_vertex(pixel, side, side);
                 }

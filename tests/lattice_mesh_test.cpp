@@ -169,10 +169,10 @@ TEST_CASE("lattices of all sizes have their ends on the image's sides") {
 }
 
 TEST_CASE("the first image of a lattice is one that can be meshed, whatever the image and its sites") {
-    for (const auto& size : {std::array{65536, 65536}, {65536, 3}, {2, 65536}, {40000, 50000}, {300, 200}})
+    for (const auto& size : {std::array{65536, 65536}, {65536, 3}, {2, 65536}, {40000, 50000}, {300, 200}}) {
+        const int width = size[0], height = size[1];
         for (const bool bare : {false, true})
             for (const double cell : {0.0, 0.7, 1.0, 1.9, 3.0, 40.0, 1e9}) {
-                const int width = size[0], height = size[1];
                 CAPTURE(width);
                 CAPTURE(height);
                 CAPTURE(bare);
@@ -182,4 +182,5 @@ TEST_CASE("the first image of a lattice is one that can be meshed, whatever the 
                 CHECK((lattice.y.pixels >= 1 && lattice.y.pixels <= hmesh::kit::max_side));
                 CHECK(std::int64_t{lattice.x.pixels} * lattice.y.pixels <= hmesh::kit::max_pixels);
             }
+    }
 }

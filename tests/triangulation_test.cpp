@@ -136,10 +136,9 @@ TEST_CASE("more flips than most_flips() are neither found nor coded") {
     const hmesh::detail::Logistic logistic;
     // Two chains that bend towards each other, and fans of one point of each between them: see compact_test.
     constexpr std::int32_t n = 400;
-    std::vector<GridPoint> points{{-1, 0}, {n, 0}, {n, 2 * n * n}, {-1, 2 * n * n}};
+    std::vector<GridPoint> points{{0, 0}, {n + 1, 0}, {n + 1, 2 * n * n}, {0, 2 * n * n}};
     for (const std::int32_t side : {-1, 1})
-        for (std::int32_t k = -n / 2; k < n / 2; ++k) points.push_back({k + n / 2, n * n + side * (n * n / 2 + k * k)});
-    for (GridPoint& p : points) ++p.x;
+        for (std::int32_t k = -n / 2; k < n / 2; ++k) points.push_back({1 + k + n / 2, n * n + side * (n * n / 2 + k * k)});
     std::vector<std::array<std::uint32_t, 2>> edges;
     for (std::uint32_t k = 0; k < n; ++k) {
         edges.push_back({4 + k, 4 + n});

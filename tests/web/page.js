@@ -213,6 +213,7 @@ const both = { // from a server, and from a file
   },
 
   async 'a photo that cannot be read leaves the one before as it would have been'(page) {
+    const good = await picture(1000, 750);
     // While the good one has no mesh yet, and with the slider moved while the bad one is read.
     for (const isMoved of [false, true]) {
       await page.evaluate((moved) => {
@@ -226,7 +227,7 @@ const both = { // from a server, and from a file
         });
         seen.observe(document.body, { attributeFilter: ['data-state'] });
       }, isMoved);
-      await choose(page, 'good.png', medium);
+      await choose(page, 'good.png', good);
       await fault(page);
       expect(['refining', 'done'].includes(await state(page)), `it is ${await state(page)}`);
       await page.waitForSelector('#view[aria-label^="good: a mesh"]', patience);
@@ -683,7 +684,7 @@ const single = { // each with a context of its own
 
 // --- the run ---
 
-let small, medium, large;
+let small, large;
 const serve = () => new Promise((found, lost) => {
   const program = join(__dirname, '../../web/serve.mjs');
   server = spawn(process.execPath, [program, folder, '0'], { stdio: ['ignore', 'pipe', 'inherit'] });
@@ -697,7 +698,6 @@ async function main() {
     args: ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb'],
   });
   small = await picture(320, 240);
-  medium = await picture(1000, 750);
   large = await picture(2400, 1800);
   const places = { server: await serve(), file: pathToFileURL(resolve(folder, 'hmesh.html')).href };
   let failures = 0;

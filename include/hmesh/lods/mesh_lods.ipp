@@ -61,7 +61,7 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
         return;
     }
     const kit::Array<double> works = coarser_works(recipe, source.pixels(), n, more);
-    const double all = sum(works);
+    double left = sum(works);
     const auto tile_of = [&](std::size_t count) {
         return recipe.coarser(count).tile_size(source.width(), source.height(), count);
     };
@@ -75,11 +75,9 @@ HMESH_COLD void add_coarser(const Subject<C>& subject, double from, const Option
     if (const kit::ChannelScale<C>* const scale = source.scale())
         for (kit::Color<C>& color : tiled.indexed().colors) scale->to_scaled(color);
     tiled.measure(kit::Tiling(source.width(), source.height(), tile_of(n)));
-    const double rest = 1 - from;
-    double done = 0;
     for (std::size_t k = 0; k < counts.size(); ++k) {
-        done += works[k];
-        const double to = k + 1 < counts.size() ? 1 - rest * (1 - done / all) : 1;
+        const double to = k + 1 < counts.size() ? from + (1 - from) * works[k] / left : 1;
+        left -= works[k];
         kit::ProgressReporter progress(options.progress, subject.samples, subject.image->peak(), {from, to});
         tell_in_image_units(progress, subject);
         from = to;
