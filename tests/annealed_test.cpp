@@ -318,6 +318,7 @@ TEST_CASE("options that mean nothing are named, and the efforts' own all mean so
         CHECK(refused([bad](AnnealedSteps& o) { o.polish_rounds = bad; }));
         CHECK(refused([bad](AnnealedSteps& o) { o.relaxation.rounds = bad; }));
         CHECK(refused([bad](AnnealedSteps& o) { o.annealing.sweeps = bad; }));
+        CHECK(refused([bad](AnnealedSteps& o) { o.annealing.nudges = bad; }));
     }
 }
 
@@ -358,6 +359,7 @@ TEST_CASE("options at the ends of their ranges give a valid mesh of the exact nu
             steps.annealing.try_probability = pick(0, 1);
             steps.annealing.jump = pick(0, 1);
             steps.annealing.jump_reach = pick(0, 1);
+            steps.annealing.nudges = high ? 1000 : 0;
             steps.annealing.start_price = pick(1e-6, 1e6);
             steps.annealing.count_tolerance = pick(0, 1);
             REQUIRE(check(steps));

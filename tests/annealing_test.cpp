@@ -239,7 +239,7 @@ TEST_CASE("annealing lowers the energy at the same number of vertices") {
     CHECK(subject.mesh.energy() < 0.6 * before);
 }
 
-TEST_CASE("a kind of move with probability 0 or screened off does not happen, and each of the four does by itself") {
+TEST_CASE("a kind of move with probability 0 or screened off does not happen, and each of the five does by itself") {
     struct Outcome {
         Totals totals;
         hmesh_test::Snapshot mesh;
@@ -257,6 +257,7 @@ TEST_CASE("a kind of move with probability 0 or screened off does not happen, an
     none.sweeps = 3;
     none.try_probability = none.jump = 0;
     none.flip_screen = -1e9;
+    none.nudges = 0;
     const Outcome still = outcome_of(none);
     CHECK(still.totals.moves() == 0);
     // What is left of a sweep: visits, flips that gain, visits.
@@ -283,6 +284,11 @@ TEST_CASE("a kind of move with probability 0 or screened off does not happen, an
     CHECK(jumps.totals.moves() == 0);
     CHECK_FALSE(jumps.mesh == still.mesh);
     options = none;
+    options.nudges = 1;
+    const Outcome nudges = outcome_of(options);
+    CHECK(nudges.totals.moves() == 0);
+    CHECK_FALSE(nudges.mesh == still.mesh);
+    options = none;
     options.try_probability = 1;
     options.insertion_screen = 1e9;
     const Outcome removals = outcome_of(options);
@@ -293,6 +299,52 @@ TEST_CASE("a kind of move with probability 0 or screened off does not happen, an
     const Outcome insertions = outcome_of(options);
     CHECK(insertions.totals.removed == 0);
     CHECK(insertions.totals.inserted > 0);
+}
+
+TEST_CASE("nudges find places that steps do not, along the border too, and leave in peace what has no error") {
+    AnnealingOptions still;
+    still.sweeps = 4;
+    still.temperature = still.try_probability = 0;
+    still.flip_screen = -1e9;
+    still.nudges = 0;
+    AnnealingOptions nudges = still;
+    nudges.nudges = 20;
+    const auto mesh = [] { return hmesh_test::jittered_grid(48, 40, 12, 10, 3); };
+    Subject<std::uint8_t, 3> plain(hmesh_test::scene<std::uint8_t, 3>(48, 40, 8), mesh());
+    Subject<std::uint8_t, 3> nudged(hmesh_test::scene<std::uint8_t, 3>(48, 40, 8), mesh());
+    anneal(plain, plain.mesh.vertex_count(), still, 5);
+    anneal(nudged, nudged.mesh.vertex_count(), nudges, 5);
+    CHECK(nudged.mesh.energy() < 0.98 * plain.mesh.energy());
+
+    // The left half is of one colour. Warm nudges go anywhere but where they cannot gain, and keep the border.
+    const auto half = [] {
+        auto image = hmesh_test::noise<std::uint8_t, 1>(48, 40, 8);
+        for (int y = 0; y < 40; ++y)
+            for (int x = 0; x < 24; ++x) image.pixel(x, y)[0] = 90;
+        return image;
+    };
+    nudges.temperature = 2;
+    Subject<std::uint8_t, 1> warm(half(), mesh());
+    const hmesh_test::Snapshot before = hmesh_test::snapshot(warm.mesh);
+    const std::vector<Vertex> vertices = kit::spatial_vertices(warm.mesh);
+    std::vector<kit::Point> positions;
+    for (const Vertex v : vertices) positions.push_back(warm.mesh.position(v));
+    anneal(warm, warm.mesh.vertex_count(), nudges, 5);
+    int flat = 0, border = 0;
+    for (std::size_t k = 0; k < vertices.size(); ++k) {
+        const kit::Point now = warm.mesh.position(vertices[k]);
+        if (positions[k].x < 10) {
+            ++flat;
+            CHECK(now == positions[k]);
+        } else if (positions[k].y == 0 && positions[k].x > 30 && positions[k].x < 48) {
+            ++border;
+            CHECK(now.x != positions[k].x);
+            CHECK(now.y == 0);
+        }
+    }
+    CHECK(flat > 8);
+    CHECK(border > 0);
+    CHECK_FALSE(hmesh_test::snapshot(warm.mesh) == before);
 }
 
 TEST_CASE("the same seed gives the same bytes, another seed another mesh") {

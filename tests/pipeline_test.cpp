@@ -29,7 +29,7 @@ namespace {
 template <class T, int C>
 hmesh::Result mesh_of(const Image<T, C>& image, std::int64_t vertices, Effort effort) {
     Annealed recipe{effort};
-    if (effort == Effort::best) {  // its 1000 sweeps take long under sanitizers
+    if (effort == Effort::best) {  // its 300 sweeps take long under sanitizers
         recipe.steps = hmesh::kit::annealed_steps(effort);
         recipe.steps->annealing.sweeps = 100;
     }

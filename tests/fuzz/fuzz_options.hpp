@@ -94,6 +94,7 @@ class RequestDraw {
         whole(options.relaxation.rounds, 0, 4);
         real(options.relaxation.min_gain, 0, 1);
         whole(options.annealing.sweeps, 0, 10);
+        whole(options.annealing.nudges, 0, 20);
         for (double* value : {&options.annealing.temperature, &options.annealing.cooling, &options.annealing.removal_screen,
                               &options.annealing.insertion_screen, &options.annealing.flip_screen})
             real(*value, 0, 100);

@@ -5,10 +5,10 @@
 /// vertices leave places where they are worth less than mu and come where they are worth more. (Physicists call this a grand
 /// canonical ensemble.) A move removes, inserts or displaces a vertex or flips an edge. Each move is a transaction: change the
 /// mesh, relax the surroundings, read the exact energy, then accept by Metropolis' rule at temperature T or roll back to the
-/// last byte. Between sweeps mu is steered so that n meets the target, and T falls to 0. All patches of a mesh share mu, so that
-/// vertices flow between them too.
+/// last byte. Nudges are smaller, and many: a vertex is displaced, and nothing around it relaxed. Between sweeps mu is steered so
+/// that n meets the target, and T falls to 0. All patches of a mesh share mu, so that vertices flow between them too.
 ///
-/// Cost: a sweep takes 20 to 25 us a vertex for 3 channels.
+/// Cost: a sweep takes 15 to 25 us a vertex for 3 channels.
 #ifndef HMESH_METHODS_ANNEALED_ANNEALING_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALING_HPP
 
@@ -16,6 +16,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/function_ref.hpp"
@@ -88,9 +89,9 @@ class AnnealingSweep {
         : mesh_(&mesh), options_(options), price_(price), temperature_(temperature), min_gain_(least_gain * price), range_(range),
           random_(random) {}
 
-    /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips
-    /// and jumps, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends it
-    /// early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
+    /// Works on these vertices, in spatial order, and on what belongs to them. Block by block: tries removals, insertions, flips,
+    /// jumps and nudges, then visits dirty vertices twice with flips in between. Begins at a random block: a CountRange that ends
+    /// it early would else favour the top of the image. Ends early where mesh.keep_going() says stop.
     AnnealingCounts run(const Array<Vertex>& all) {
         AnnealingCounts counts;
         for_each_block(*mesh_, all, random_.below(std::size_t{1} << 30U), [&](Array<Vertex>& vertices) {
@@ -98,6 +99,7 @@ class AnnealingSweep {
             counts.inserted += insert_moves(vertices);
             flip_moves(vertices);
             jump_moves(vertices);
+            nudge_moves(vertices);
             const double mean = mesh_->mean_energy();
             const Tolerance tolerance{sweep_propagates, mean > 0 ? min_gain_ / mean : 0};
             sweep(*mesh_, vertices, tolerance);
@@ -119,6 +121,8 @@ class AnnealingSweep {
     static constexpr double half_hopeless_above = 0.7;  ///< the same after two of a flip's four vertices. Half: -0.01 dB at 1 %
     static constexpr double warm_screen = 3;            ///< T by which a removal may cost more and is tried
     static constexpr double flip_cost = 1e-4, jump_cost = 1e-3;  ///< mu, lest moves of no gain go on for ever
+    static constexpr double longest_nudge = 2;                   ///< px, along each axis. Half or twice: nothing
+    static constexpr int nudge_octaves = 6;                      ///< of lengths of nudges. Half: nothing
 
     /// Ends the transaction of a move that began at `mark` with the energy `before`. round(allowed) relaxes the surroundings; it
     /// is called up to twice, once if it gains little or if the move is hopeless after it. Metropolis' rule then keeps the move,
@@ -245,6 +249,56 @@ class AnnealingSweep {
             mesh_->place(v, target, state.color);
             accept_or_roll_back(mark, before, jump_cost * price_, [&](double) { relax(*mesh_, around_, 1, min_gain_); });
         }
+    }
+
+    /// Nudges each vertex.
+    void nudge_moves(const Array<Vertex>& vertices) {
+        for (const Vertex v : vertices) {
+            if (options_.nudges == 0 || !mesh_->keep_going()) break;
+            nudge(v);
+        }
+    }
+
+    /// Displaces a vertex a little at random, options_.nudges times, with the best colour for each place and its neighbours
+    /// held, by Metropolis' rule. The energy is rough where pixels change sides, of which a step of Gauss-Newton sees nothing.
+    /// Where the ring has next to no energy, nothing is to be gained. 0.15 us, and 0.35 us a nudge.
+    void nudge(Vertex v) {
+        const Mobility mobility = mesh_->vertex(v).mobility;
+        if (mobility == Mobility::corner || mobility == Mobility::locked) return;
+        const Ring<C>& ring = scratch_.ring;
+        mesh_->gather(v, scratch_.ring, scratch_.spokes);
+        RingCenter<C> center{mesh_->position(v), mesh_->color(v), mesh_->energy(ring)};
+        if (!(center.energy > min_gain_)) return;
+        const MeshLimits& limits = mesh_->limits();
+        Spokes<C>*spokes = &scratch_.spokes, *trial_spokes = &scratch_.trial_spokes;
+        FaceFit<C>*faces = scratch_.faces, *trial_faces = scratch_.trial_faces;
+        bool moved = false;
+        for (int k = 0; k < options_.nudges; ++k) {
+            const Point trial = nudged(center.position, mobility);
+            const double allowed = center.energy - flip_cost * price_ - temperature_ * std::log(random_.uniform());
+            if (trial == center.position || !ring.accepts(trial, limits.min_double_area)) continue;
+            walk_spokes(mesh_->table(), ring, trial, *trial_spokes);
+            RingFit<C> fit;
+            if (!fit_ring(ring, *trial_spokes, trial, limits.min_double_area, trial_faces, fit)) continue;
+            const Color<C> color = best_color(fit, center.color, limits.ridge, mesh_->color_low(), mesh_->color_high());
+            const double energy = fit.energy(color);
+            if (!(energy < allowed)) continue;
+            center = {trial, color, energy};
+            std::swap(spokes, trial_spokes);
+            std::swap(faces, trial_faces);
+            moved = true;
+        }
+        if (!moved) return;
+        mesh_->apply_fit(v, ring, center.position, center.color, faces, spokes);
+        mesh_->set_ring_dirty(v);
+    }
+    /// A place near p for a vertex of this mobility, at lengths of all octaves alike.
+    [[nodiscard]] Point nudged(Point p, Mobility mobility) {
+        const double reach = longest_nudge / static_cast<double>(1U << random_.below(nudge_octaves));
+        const double dx = reach * (2 * random_.uniform() - 1), dy = reach * (2 * random_.uniform() - 1);
+        if (mobility != Mobility::along_y) p.x += dx;
+        if (mobility != Mobility::along_x) p.y += dy;
+        return mesh_->clamp(p, mobility);
     }
 
     [[nodiscard]] const HalfedgeMesh& topology() const noexcept { return mesh_->topology(); }

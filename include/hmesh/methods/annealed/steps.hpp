@@ -20,8 +20,8 @@ enum class Effort : std::uint8_t {
     draft,   ///< 1.65 times as many points as wanted, whose cheapest are removed
     fast,    ///< 1.4 times as many, removal, then 2 sweeps of annealing: 0.9 to 3.1 dB above draft
     normal,  ///< three times as many, removal, then 6 sweeps of annealing: 0.3 to 1.2 dB above fast
-    fine,    ///< the same with 50 sweeps: 0.1 to 0.5 dB above normal in four to five times its time
-    best,    ///< the same with 1000 sweeps
+    fine,    ///< the same with 40 sweeps: 0.1 to 0.5 dB above normal in four to five times its time
+    best,    ///< the same with 300 sweeps
 };
 
 namespace kit {
@@ -30,17 +30,20 @@ namespace kit {
 /// The screens compare the change of the energy before any relaxation, which is cheap to know, and skip moves without a chance.
 struct AnnealingOptions {
     int sweeps = 6;              ///< in [0, 1e6]; 0: no annealing
-    double temperature = 0.5;    ///< T in the first sweep, in units of mu, in [0, 1000]
+    double temperature = 0.4;    ///< T in the first sweep, in units of mu, in [0, 1000]
     double cooling = 1;          ///< exponent, in [0, 100]: T / mu falls as (1 - t)^cooling, t = sweep / sweeps
     double try_probability = 1;  ///< probability, in a sweep, that a vertex is tried for removal and a site for insertion
     double jump = 0;             ///< probability, in a sweep, that a free vertex is displaced at random
     double jump_reach = 0.3;     ///< largest displacement, in mean lengths of the vertex's edges, in [0, 1]
+    /// How many displacements of up to 2 px, after which nothing is re-optimised, are tried of each vertex in a sweep; in
+    /// [0, 1000].
+    int nudges = 3;
     /// Removals whose cost is above removal_screen * mu + 3 T are not tried; in [0, 1e6].
     double removal_screen = 3;
     /// Insertions whose gain is not above insertion_screen * mu are not tried; in [0, 1e6].
-    double insertion_screen = 0.28;
+    double insertion_screen = 0.3;
     /// Flips that raise the energy by flip_screen * mu or more are not tried; in [0, 1e6].
-    double flip_screen = 3;
+    double flip_screen = 2;
     /// mu in the first sweep, in units of first_price(), in [1e-6, 1e6]. At 0.9 the mesh grows to 1.4 times the target, which
     /// lets the sweeps after it choose among more vertices; at 2 it stays about as it is.
     double start_price = 0.9;
@@ -81,22 +84,28 @@ struct AnnealedSteps {
             steps.collapse_batch = 0.5;
             steps.annealing.sweeps = 2;
             steps.annealing.start_price = 1;
-            steps.annealing.insertion_screen = 0.3;
+            steps.annealing.flip_screen = 3;
+            steps.annealing.nudges = 0;         // a third sweep gains more in the same time
             steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.annealing.sweeps = 50;
-            steps.annealing.insertion_screen = 0.25;
+            steps.annealing.sweeps = 40;
+            steps.annealing.temperature = 0.5;
+            steps.annealing.try_probability = 0.6;
             steps.annealing.jump = 0.1;
+            steps.annealing.nudges = 8;
+            steps.annealing.insertion_screen = 0.25;
+            steps.annealing.flip_screen = 3;
             break;
         case Effort::best:
-            steps.annealing.sweeps = 1000;
-            steps.annealing.cooling = 2;
-            steps.annealing.try_probability = 0.3;
-            steps.annealing.jump = 0.3;
+            steps.annealing.sweeps = 300;
+            steps.annealing.temperature = 0.3;
+            steps.annealing.cooling = 1.5;
+            steps.annealing.try_probability = 0.6;
+            steps.annealing.jump = 1;
+            steps.annealing.nudges = 10;
             steps.annealing.insertion_screen = 0.2;
-            steps.annealing.flip_screen = 1;
             break;
     }
     return steps;
@@ -125,6 +134,7 @@ struct AnnealedSteps {
         {"annealed annealing.jump must be in [0, 1]", annealing.jump, 0, 1},
         {"annealed annealing.jump_reach must be in [0, 1]", annealing.jump_reach, 0, 1},
         {"annealed annealing.start_price must be in [1e-6, 1e6]", annealing.start_price, 1e-6, 1e6},
+        {"annealed annealing.nudges must be in [0, 1000]", static_cast<double>(annealing.nudges), 0, 1e3},
         {"annealed annealing.removal_screen must be in [0, 1e6]", annealing.removal_screen, 0, 1e6},
         {"annealed annealing.insertion_screen must be in [0, 1e6]", annealing.insertion_screen, 0, 1e6},
         {"annealed annealing.flip_screen must be in [0, 1e6]", annealing.flip_screen, 0, 1e6},

@@ -41,8 +41,10 @@ inline constexpr double removal_work = 16;
         work.settle = 0.9 * points * steps.settle_rounds;
         if (steps.points > 1) work.collapse = removal_work * n * (steps.points - 1);
     }
-    if (steps.annealing.sweeps > 0)
-        work.anneal = n * (7 + (steps.annealing.try_probability < 1 ? 8 : 13) * steps.annealing.sweeps);
+    const AnnealingOptions& annealing = steps.annealing;
+    if (annealing.sweeps > 0)
+        work.anneal =
+            n * (7 + (8 + 4 * annealing.try_probability + 3 * annealing.jump + 0.4 * annealing.nudges) * annealing.sweeps);
     work.polish = n * (1.5 * steps.polish_rounds + (has_start ? 4 : 1));
     work.colors = 0.001 * pixels + 1.2 * n;
     return work;
