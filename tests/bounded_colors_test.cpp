@@ -106,6 +106,23 @@ TEST_CASE("bounded colours without a grid are the minimum over the box: the grad
     CHECK(at_bounds > 5);
 }
 
+TEST_CASE("a channel of large values, which has its colours at once, ends no other's search") {
+    const auto colors_beside = [](float large) {
+        hmesh::Image<float, 2> image = test::noise<float, 2>(60, 50, 7);
+        for (int y = 0; y < 50; ++y)
+            for (int x = 0; x < 60; ++x) image.pixel(x, y)[1] = large;
+        Sample<float, 2> s(std::move(image), no_ridge());
+        test::jitter(s.mesh, 9, 7, 0, 7);
+        auto colors = colors_of(s.mesh);
+        for (auto& color : colors) color.set(0, 0), color.set(1, static_cast<double>(large));
+        s.mesh.set_colors(colors);
+        CHECK(bounded_colors(s.mesh, {0, 1e9, 0}).sweeps > 2);
+        return colors_of(s.mesh);
+    };
+    const auto small = colors_beside(1), large = colors_beside(1048576);
+    for (std::size_t v = 0; v < small.size(); ++v) CHECK(small[v][0] == large[v][0]);
+}
+
 TEST_CASE("a ridge draws colours to those at the start, as strongly as pixels do to theirs") {
     const double ridge = 30;
     Sample<float, 3> s(test::noise<float, 3>(60, 50, 7), no_ridge(ridge));

@@ -37,8 +37,8 @@ struct ColorRange {
 struct BoundedReport {
     int sweeps = 0;           ///< over all vertices, without the grid; at most 20
     int rounding_sweeps = 0;  ///< over the grid; at most 10
-    /// Without a grid: the last sweep changed no channel by more than 1e-7 of the largest. With a grid: no channel of any vertex
-    /// can be changed by itself, to whatever allowed value, and lower the error (ridge included).
+    /// Without a grid: the last sweep changed no channel by more than 1e-7 of its largest value. With a grid: no channel of any
+    /// vertex can be changed by itself, to whatever allowed value, and lower the error (ridge included).
     bool converged = false;
 };
 
@@ -125,22 +125,21 @@ template <int C>
 BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
     HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
-    double scale = 0;
+    Color<C> scale = Color<C>::zero();
     for (const Color<C>& c : colors)
-        for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
+        for (int k = 0; k < C; ++k) scale.set(k, std::max(scale[k], std::abs(c[k])));
 
     BoundedReport report;
-    const double max_change = range.grid > 0 ? range.grid / 16 : 1e-7 * scale;
     while (report.sweeps < max_sweeps && !report.converged && go_on()) {
-        double largest = 0;
+        report.converged = true;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
             detail::clamp_channels<C>(next, range.low, range.high);
-            for (int k = 0; k < C; ++k) largest = std::max(largest, std::abs(next[k] - c[k]));
+            for (int k = 0; k < C; ++k)
+                if (std::abs(next[k] - c[k]) > (range.grid > 0 ? range.grid / 16 : 1e-7 * scale[k])) report.converged = false;
             c = next;
         });
         ++report.sweeps;
-        report.converged = largest <= max_change;
     }
 
     if (range.grid > 0) {
