@@ -6461,41 +6461,42 @@ struct AnnealedSteps {
 /// The steps of an effort.
 [[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
+    AnnealingOptions& annealing = steps.annealing;
     switch (effort) {
         case Effort::draft:
             steps.points = 1.65;
             steps.settle_rounds = 3;
             steps.relaxation.min_gain = 3e-2;
-            steps.annealing.sweeps = 0;
+            annealing.sweeps = 0;
             break;
         case Effort::fast:
             steps.points = 1.4;
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
-            steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1;
-            steps.annealing.flip_screen = 3;
-            steps.annealing.nudges = 0;         // a third sweep gains more in the same time
-            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
+            annealing.sweeps = 2;
+            annealing.start_price = 1;
+            annealing.flip_screen = 3;
+            annealing.nudges = 0;         // a third sweep gains more in the same time
+            annealing.temperature = 0.2;  // two sweeps have little time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.annealing.sweeps = 40;
-            steps.annealing.temperature = 0.5;
-            steps.annealing.try_probability = 0.6;
-            steps.annealing.jump = 0.1;
-            steps.annealing.nudges = 8;
-            steps.annealing.insertion_screen = 0.25;
-            steps.annealing.flip_screen = 3;
+            annealing.sweeps = 40;
+            annealing.temperature = 0.5;
+            annealing.try_probability = 0.6;
+            annealing.jump = 0.1;
+            annealing.nudges = 8;
+            annealing.insertion_screen = 0.25;
+            annealing.flip_screen = 3;
             break;
         case Effort::best:
-            steps.annealing.sweeps = 300;
-            steps.annealing.temperature = 0.3;
-            steps.annealing.cooling = 1.5;
-            steps.annealing.try_probability = 0.6;
-            steps.annealing.jump = 1;
-            steps.annealing.nudges = 10;
-            steps.annealing.insertion_screen = 0.2;
+            annealing.sweeps = 300;
+            annealing.temperature = 0.3;
+            annealing.cooling = 1.5;
+            annealing.try_probability = 0.6;
+            annealing.jump = 1;
+            annealing.nudges = 10;
+            annealing.insertion_screen = 0.2;
             break;
     }
     return steps;
@@ -11025,6 +11026,22 @@ template <int C>
 
 }  // namespace detail
 
+/// The ring with its centre at `position`, in the colour that is best there: `center` becomes that, and spokes and faces those of
+/// it. `current`: the colour that the ridge favours. False, and `center` stays: a face is smaller than limits().min_double_area.
+template <int C>
+[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_center(const ImageMesh<C>& mesh, const Ring<C>& ring, Point position,
+                                                  const Color<C>& current, Spokes<C>& spokes, FaceFit<C>* faces,
+                                                  RingCenter<C>& center) {
+    const MeshLimits& limits = mesh.limits();
+    walk_spokes(mesh.table(), ring, position, spokes);
+    RingFit<C> fit;
+    if (!fit_ring(ring, spokes, position, limits.min_double_area, faces, fit)) return false;
+    center.position = position;
+    center.color = best_color(fit, current, limits.ridge, mesh.color_low(), mesh.color_high());
+    center.energy = fit.energy(center.color);
+    return true;
+}
+
 /// Workspace for optimising one ring; tens of kB, so callers that visit many rings keep one.
 template <int C>
 struct RingScratch {
@@ -11075,16 +11092,12 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const Point trial = mesh.clamp({center.position.x + dx, center.position.y + dy}, mobility);
         if (trial == center.position) break;
         if (!scratch.ring.accepts(trial, limits.min_double_area)) continue;
-        walk_spokes(mesh.table(), scratch.ring, trial, scratch.trial_spokes);
-        RingFit<C> trial_fit;
-        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, trial_fit))
-            continue;
-        const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
-        const double energy = trial_fit.energy(color);
-        if (!(energy < center.energy)) break;
-        center.position = trial;  // one by one, as a copy of all would wait for these to be stored
-        center.color = color;
-        center.energy = energy;
+        RingCenter<C> moved;
+        if (!fit_center(mesh, scratch.ring, trial, center.color, scratch.trial_spokes, scratch.trial_faces, moved)) continue;
+        if (!(moved.energy < center.energy)) break;
+        center.position = moved.position;  // one by one, as a copy of all would wait for these to be stored
+        center.color = moved.color;
+        center.energy = moved.energy;
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;
@@ -12548,8 +12561,9 @@ class AnnealingSweep {
 
     /// Nudges each vertex.
     void nudge_moves(const Array<Vertex>& vertices) {
+        if (options_.nudges == 0) return;
         for (const Vertex v : vertices) {
-            if (options_.nudges == 0 || !mesh_->keep_going()) break;
+            if (!mesh_->keep_going()) break;
             nudge(v);
         }
     }
@@ -12564,21 +12578,17 @@ class AnnealingSweep {
         mesh_->gather(v, scratch_.ring, scratch_.spokes);
         RingCenter<C> center{mesh_->position(v), mesh_->color(v), mesh_->energy(ring)};
         if (!(center.energy > min_gain_)) return;
-        const MeshLimits& limits = mesh_->limits();
         Spokes<C>*spokes = &scratch_.spokes, *trial_spokes = &scratch_.trial_spokes;
         FaceFit<C>*faces = scratch_.faces, *trial_faces = scratch_.trial_faces;
         bool moved = false;
         for (int k = 0; k < options_.nudges; ++k) {
             const Point trial = nudged(center.position, mobility);
             const double allowed = center.energy - flip_cost * price_ - temperature_ * std::log(random_.uniform());
-            if (trial == center.position || !ring.accepts(trial, limits.min_double_area)) continue;
-            walk_spokes(mesh_->table(), ring, trial, *trial_spokes);
-            RingFit<C> fit;
-            if (!fit_ring(ring, *trial_spokes, trial, limits.min_double_area, trial_faces, fit)) continue;
-            const Color<C> color = best_color(fit, center.color, limits.ridge, mesh_->color_low(), mesh_->color_high());
-            const double energy = fit.energy(color);
-            if (!(energy < allowed)) continue;
-            center = {trial, color, energy};
+            if (trial == center.position || !ring.accepts(trial, mesh_->limits().min_double_area)) continue;
+            RingCenter<C> nudged_center;
+            if (!fit_center(*mesh_, ring, trial, center.color, *trial_spokes, trial_faces, nudged_center)) continue;
+            if (!(nudged_center.energy < allowed)) continue;
+            center = nudged_center;
             std::swap(spokes, trial_spokes);
             std::swap(faces, trial_faces);
             moved = true;
@@ -16105,8 +16115,8 @@ struct ColorRange {
 struct BoundedReport {
     int sweeps = 0;           ///< over all vertices, without the grid; at most 20
     int rounding_sweeps = 0;  ///< over the grid; at most 10
-    /// Without a grid: the last sweep changed no channel by more than 1e-7 of the largest. With a grid: no channel of any vertex
-    /// can be changed by itself, to whatever allowed value, and lower the error (ridge included).
+    /// Without a grid: the last sweep changed no channel by more than 1e-7 of its largest value. With a grid: no channel of any
+    /// vertex can be changed by itself, to whatever allowed value, and lower the error (ridge included).
     bool converged = false;
 };
 
@@ -16193,22 +16203,21 @@ template <int C>
 BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
     HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
-    double scale = 0;
+    Color<C> scale = Color<C>::zero();
     for (const Color<C>& c : colors)
-        for (int k = 0; k < C; ++k) scale = std::max(scale, std::abs(c[k]));
+        for (int k = 0; k < C; ++k) scale.set(k, std::max(scale[k], std::abs(c[k])));
 
     BoundedReport report;
-    const double max_change = range.grid > 0 ? range.grid / 16 : 1e-7 * scale;
     while (report.sweeps < max_sweeps && !report.converged && go_on()) {
-        double largest = 0;
+        report.converged = true;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
             detail::clamp_channels<C>(next, range.low, range.high);
-            for (int k = 0; k < C; ++k) largest = std::max(largest, std::abs(next[k] - c[k]));
+            for (int k = 0; k < C; ++k)
+                if (std::abs(next[k] - c[k]) > (range.grid > 0 ? range.grid / 16 : 1e-7 * scale[k])) report.converged = false;
             c = next;
         });
         ++report.sweeps;
-        report.converged = largest <= max_change;
     }
 
     if (range.grid > 0) {

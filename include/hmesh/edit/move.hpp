@@ -43,6 +43,22 @@ template <int C>
 
 }  // namespace detail
 
+/// The ring with its centre at `position`, in the colour that is best there: `center` becomes that, and spokes and faces those of
+/// it. `current`: the colour that the ridge favours. False, and `center` stays: a face is smaller than limits().min_double_area.
+template <int C>
+[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_center(const ImageMesh<C>& mesh, const Ring<C>& ring, Point position,
+                                                  const Color<C>& current, Spokes<C>& spokes, FaceFit<C>* faces,
+                                                  RingCenter<C>& center) {
+    const MeshLimits& limits = mesh.limits();
+    walk_spokes(mesh.table(), ring, position, spokes);
+    RingFit<C> fit;
+    if (!fit_ring(ring, spokes, position, limits.min_double_area, faces, fit)) return false;
+    center.position = position;
+    center.color = best_color(fit, current, limits.ridge, mesh.color_low(), mesh.color_high());
+    center.energy = fit.energy(center.color);
+    return true;
+}
+
 /// Workspace for optimising one ring; tens of kB, so callers that visit many rings keep one.
 template <int C>
 struct RingScratch {
@@ -93,16 +109,12 @@ RingOutcome optimize_center(const ImageMesh<C>& mesh, RingScratch<C>& scratch, M
         const Point trial = mesh.clamp({center.position.x + dx, center.position.y + dy}, mobility);
         if (trial == center.position) break;
         if (!scratch.ring.accepts(trial, limits.min_double_area)) continue;
-        walk_spokes(mesh.table(), scratch.ring, trial, scratch.trial_spokes);
-        RingFit<C> trial_fit;
-        if (!fit_ring(scratch.ring, scratch.trial_spokes, trial, limits.min_double_area, scratch.trial_faces, trial_fit))
-            continue;
-        const Color<C> color = best_color(trial_fit, center.color, limits.ridge, mesh.color_low(), mesh.color_high());
-        const double energy = trial_fit.energy(color);
-        if (!(energy < center.energy)) break;
-        center.position = trial;  // one by one, as a copy of all would wait for these to be stored
-        center.color = color;
-        center.energy = energy;
+        RingCenter<C> moved;
+        if (!fit_center(mesh, scratch.ring, trial, center.color, scratch.trial_spokes, scratch.trial_faces, moved)) continue;
+        if (!(moved.energy < center.energy)) break;
+        center.position = moved.position;  // one by one, as a copy of all would wait for these to be stored
+        center.color = moved.color;
+        center.energy = moved.energy;
         return RingOutcome::moved;
     }
     return RingOutcome::recolored;

@@ -164,13 +164,11 @@ class LatticeMesh {
     }
     // The energy of the gathered ring with its centre at a site, in the best colour; trial_spokes and trial_faces become those.
     [[nodiscard]] double energy_at(Site s, const kit::Color<C>& before, kit::Color<C>& color) {
-        kit::walk_spokes(mesh_.table(), scratch_.ring, place(s), scratch_.trial_spokes);
-        kit::RingFit<C> fit;
-        const MeshLimits& limits = mesh_.limits();
-        if (!kit::fit_ring(scratch_.ring, scratch_.trial_spokes, place(s), limits.min_double_area, scratch_.trial_faces, fit))
+        kit::RingCenter<C> center;
+        if (!kit::fit_center(mesh_, scratch_.ring, place(s), before, scratch_.trial_spokes, scratch_.trial_faces, center))
             return std::numeric_limits<double>::infinity();
-        color = kit::best_color(fit, before, limits.ridge, mesh_.color_low(), mesh_.color_high());
-        return fit.energy(color);
+        color = center.color;
+        return center.energy;
     }
     void put(kit::Vertex v, Site s, const kit::Color<C>& color) {
         mesh_.apply_fit(v, scratch_.ring, place(s), color, scratch_.trial_faces, &scratch_.trial_spokes);

@@ -253,8 +253,9 @@ class AnnealingSweep {
 
     /// Nudges each vertex.
     void nudge_moves(const Array<Vertex>& vertices) {
+        if (options_.nudges == 0) return;
         for (const Vertex v : vertices) {
-            if (options_.nudges == 0 || !mesh_->keep_going()) break;
+            if (!mesh_->keep_going()) break;
             nudge(v);
         }
     }
@@ -269,21 +270,17 @@ class AnnealingSweep {
         mesh_->gather(v, scratch_.ring, scratch_.spokes);
         RingCenter<C> center{mesh_->position(v), mesh_->color(v), mesh_->energy(ring)};
         if (!(center.energy > min_gain_)) return;
-        const MeshLimits& limits = mesh_->limits();
         Spokes<C>*spokes = &scratch_.spokes, *trial_spokes = &scratch_.trial_spokes;
         FaceFit<C>*faces = scratch_.faces, *trial_faces = scratch_.trial_faces;
         bool moved = false;
         for (int k = 0; k < options_.nudges; ++k) {
             const Point trial = nudged(center.position, mobility);
             const double allowed = center.energy - flip_cost * price_ - temperature_ * std::log(random_.uniform());
-            if (trial == center.position || !ring.accepts(trial, limits.min_double_area)) continue;
-            walk_spokes(mesh_->table(), ring, trial, *trial_spokes);
-            RingFit<C> fit;
-            if (!fit_ring(ring, *trial_spokes, trial, limits.min_double_area, trial_faces, fit)) continue;
-            const Color<C> color = best_color(fit, center.color, limits.ridge, mesh_->color_low(), mesh_->color_high());
-            const double energy = fit.energy(color);
-            if (!(energy < allowed)) continue;
-            center = {trial, color, energy};
+            if (trial == center.position || !ring.accepts(trial, mesh_->limits().min_double_area)) continue;
+            RingCenter<C> nudged_center;
+            if (!fit_center(*mesh_, ring, trial, center.color, *trial_spokes, trial_faces, nudged_center)) continue;
+            if (!(nudged_center.energy < allowed)) continue;
+            center = nudged_center;
             std::swap(spokes, trial_spokes);
             std::swap(faces, trial_faces);
             moved = true;

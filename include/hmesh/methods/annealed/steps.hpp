@@ -71,41 +71,42 @@ struct AnnealedSteps {
 /// The steps of an effort.
 [[nodiscard]] HMESH_COLD inline AnnealedSteps annealed_steps(Effort effort) noexcept {
     AnnealedSteps steps;
+    AnnealingOptions& annealing = steps.annealing;
     switch (effort) {
         case Effort::draft:
             steps.points = 1.65;
             steps.settle_rounds = 3;
             steps.relaxation.min_gain = 3e-2;
-            steps.annealing.sweeps = 0;
+            annealing.sweeps = 0;
             break;
         case Effort::fast:
             steps.points = 1.4;
             steps.settle_rounds = 2;
             steps.collapse_batch = 0.5;
-            steps.annealing.sweeps = 2;
-            steps.annealing.start_price = 1;
-            steps.annealing.flip_screen = 3;
-            steps.annealing.nudges = 0;         // a third sweep gains more in the same time
-            steps.annealing.temperature = 0.2;  // two sweeps have little time to cool down
+            annealing.sweeps = 2;
+            annealing.start_price = 1;
+            annealing.flip_screen = 3;
+            annealing.nudges = 0;         // a third sweep gains more in the same time
+            annealing.temperature = 0.2;  // two sweeps have little time to cool down
             break;
         case Effort::normal: break;
         case Effort::fine:
-            steps.annealing.sweeps = 40;
-            steps.annealing.temperature = 0.5;
-            steps.annealing.try_probability = 0.6;
-            steps.annealing.jump = 0.1;
-            steps.annealing.nudges = 8;
-            steps.annealing.insertion_screen = 0.25;
-            steps.annealing.flip_screen = 3;
+            annealing.sweeps = 40;
+            annealing.temperature = 0.5;
+            annealing.try_probability = 0.6;
+            annealing.jump = 0.1;
+            annealing.nudges = 8;
+            annealing.insertion_screen = 0.25;
+            annealing.flip_screen = 3;
             break;
         case Effort::best:
-            steps.annealing.sweeps = 300;
-            steps.annealing.temperature = 0.3;
-            steps.annealing.cooling = 1.5;
-            steps.annealing.try_probability = 0.6;
-            steps.annealing.jump = 1;
-            steps.annealing.nudges = 10;
-            steps.annealing.insertion_screen = 0.2;
+            annealing.sweeps = 300;
+            annealing.temperature = 0.3;
+            annealing.cooling = 1.5;
+            annealing.try_probability = 0.6;
+            annealing.jump = 1;
+            annealing.nudges = 10;
+            annealing.insertion_screen = 0.2;
             break;
     }
     return steps;
