@@ -1,6 +1,6 @@
 // hmesh/core: hmesh in the calling thread, for workers of one's own.
 
-/** How much work goes into a mesh: `draft` shows what there is, `fast` adds some 2 dB, `normal` another 0.6, `fine` 0.1 to 0.4 in four
+/** How much work goes into a mesh: `draft` shows what there is, `fast` adds some 2 dB, `normal` another 0.6, `fine` 0.1 to 0.5 in four
  * to five times the time of `normal`; `best` takes minutes. Steps are counted, not seconds: the same meshes on any machine. */
 export type Effort = 'draft' | 'fast' | 'normal' | 'fine' | 'best';
 
