@@ -11029,9 +11029,8 @@ template <int C>
 /// The ring with its centre at `position`, in the colour that is best there: `center` becomes that, and spokes and faces those of
 /// it. `current`: the colour that the ridge favours. False, and `center` stays: a face is smaller than limits().min_double_area.
 template <int C>
-[[nodiscard]] HMESH_ALWAYS_INLINE bool fit_center(const ImageMesh<C>& mesh, const Ring<C>& ring, Point position,
-                                                  const Color<C>& current, Spokes<C>& spokes, FaceFit<C>* faces,
-                                                  RingCenter<C>& center) {
+[[nodiscard]] bool fit_center(const ImageMesh<C>& mesh, const Ring<C>& ring, Point position, const Color<C>& current,
+                              Spokes<C>& spokes, FaceFit<C>* faces, RingCenter<C>& center) {
     const MeshLimits& limits = mesh.limits();
     walk_spokes(mesh.table(), ring, position, spokes);
     RingFit<C> fit;
