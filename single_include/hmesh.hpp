@@ -119,6 +119,10 @@
 /// Elements that are copied as bytes need not be known to what makes room for them: an Array leaves that to one class, which
 /// takes a sixth off the compile time of the call. It has those of std::vector's members that are used here, and converts from
 /// and to a std::vector, by a copy.
+///
+/// The largest are read at random, as tables of moments are, 20 bytes for each of up to 2^22 px. In pages of 4 KiB the processor
+/// knows where few of them are, and the system hands out each by itself at its first use. Linux has pages of 2 MiB where it is
+/// asked for them (madvise(2)), unless /sys/kernel/mm/transparent_hugepage/enabled is "never".
 #ifndef HMESH_CORE_ARRAY_HPP
 #define HMESH_CORE_ARRAY_HPP
 
@@ -130,6 +134,10 @@
 #include <type_traits>
 #include <utility>
 #include <vector>
+
+#if defined(__linux__)
+#include <sys/mman.h>
+#endif
 
 namespace hmesh::kit {
 namespace detail {
@@ -150,19 +158,16 @@ class ArrayMemory {
         swap(moved);
         return *this;
     }
-    HMESH_PATCHWISE ~ArrayMemory() { free(data_); }
+    HMESH_PATCHWISE ~ArrayMemory() { free(data_, room_); }
 
   protected:
     /// Makes room for so many bytes in all, or for twice as many as there were.
     HMESH_NEVER_INLINE HMESH_PATCHWISE void make_room(std::size_t bytes) {
         if (bytes <= room_) return;
         const std::size_t room = std::max(bytes, 2 * room_);
-        void* data = nullptr;  // aligned memory costs more, where it is not needed
-        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) data = ::operator new (room, std::align_val_t{alignment});
-        else data = ::operator new(room);
+        void* const data = allocate(room);
         if (used_ > 0) std::memcpy(data, data_, used_);
-        free(std::exchange(data_, static_cast<unsigned char*>(data)));
-        room_ = room;
+        free(std::exchange(data_, static_cast<unsigned char*>(data)), std::exchange(room_, room));
     }
     /// Puts a copy of bytes that are not of this memory in at a place, and moves what follows.
     HMESH_NEVER_INLINE HMESH_PATCHWISE void put_in(std::size_t place, const void* from, std::size_t bytes) {
@@ -183,7 +188,29 @@ class ArrayMemory {
     std::size_t used_ = 0, room_ = 0;  ///< bytes
 
   private:
-    static void free(void* data) noexcept {
+    // Memory of this size is aligned to it, so that Linux may have pages of this size there; 0: of no size.
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+    static constexpr std::size_t large_page = std::size_t{1} << 21;
+    static_assert(alignment <= large_page);
+#else
+    static constexpr std::size_t large_page = 0;
+#endif
+
+    static void* allocate(std::size_t bytes) {
+#if defined(__linux__) && defined(MADV_HUGEPAGE)
+        if (bytes >= large_page) {
+            void* const data = ::operator new (bytes, std::align_val_t{large_page});
+            static_cast<void>(::madvise(data, bytes / large_page * large_page, MADV_HUGEPAGE));  // advice: none may be taken
+            return data;
+        }
+#endif
+        if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) return ::operator new (bytes, std::align_val_t{alignment});
+        else return ::operator new(bytes);  // aligned memory costs more, where it is not needed
+    }
+    static void free(void* data, [[maybe_unused]] std::size_t bytes) noexcept {
+        if constexpr (large_page > 0) {
+            if (bytes >= large_page) return ::operator delete (data, std::align_val_t{large_page});
+        }
         if constexpr (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) ::operator delete (data, std::align_val_t{alignment});
         else ::operator delete(data);
     }
@@ -6273,7 +6300,7 @@ class Image {
     [[nodiscard]] std::size_t offset(int x, int y) const noexcept {
         return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
     }
-    std::vector<T> samples_;
+    std::conditional_t<std::is_trivially_copyable_v<T>, kit::Array<T>, std::vector<T>> samples_;
     int width_ = 0, height_ = 0;
 };
 

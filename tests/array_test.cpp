@@ -99,3 +99,26 @@ TEST_CASE("copies are of their own, moves take all, and vectors become Arrays an
     const Array<int> none;
     CHECK((none.begin() == none.end() && Array<int>(none) == none && std::vector<int>(none).empty()));
 }
+
+TEST_CASE("memory that grows to large pages and on keeps the elements, and its size says how it is given back") {
+    constexpr std::size_t page = std::size_t{1} << 21;
+    for (const std::size_t first : {page / 4 - 1, page / 4, page / 4 + 1, page / 2}) {  // elements of 4 bytes
+        Array<std::uint32_t> array(first);
+        for (std::size_t i = 0; i < first; ++i) array[i] = static_cast<std::uint32_t>(i);
+        array.push_back(7);
+        const Array<std::uint32_t> copy = array;
+        array.resize(3 * page / 4, 5);
+        std::size_t other = 0;
+        for (std::size_t i = 0; i < first; ++i) other += std::size_t{array[i] != i} + std::size_t{copy[i] != i};
+        CHECK(other == 0);
+        CHECK((array[first] == 7 && copy.back() == 7 && array.back() == 5 && copy.size() == first + 1));
+#if defined(__linux__)
+        CHECK(reinterpret_cast<std::uintptr_t>(array.data()) % page == 0);
+#endif
+        array = Array<std::uint32_t>{1};
+        CHECK(array.size() == 1);
+    }
+    Array<Wide> wide(page / sizeof(Wide) - 1);
+    for (int k = 0; k < 9; ++k) wide.push_back(Wide());
+    CHECK(reinterpret_cast<std::uintptr_t>(wide.data()) % sizeof(Wide) == 0);
+}

@@ -156,7 +156,7 @@ class Image {
     [[nodiscard]] std::size_t offset(int x, int y) const noexcept {
         return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
     }
-    std::vector<T> samples_;
+    std::conditional_t<std::is_trivially_copyable_v<T>, kit::Array<T>, std::vector<T>> samples_;
     int width_ = 0, height_ = 0;
 };
 
