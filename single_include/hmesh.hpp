@@ -300,7 +300,11 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
     /// n elements; new ones are T().
     void resize(std::size_t n) {
         reserve(n);
-        for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
+        if constexpr (std::is_arithmetic_v<T>) {  // in one call, for many arrays are made where compilers go by size
+            if (n > size()) std::memset(data_ + used_, 0, n * sizeof(T) - used_);
+        } else {
+            for (std::size_t i = size(); i < n; ++i) new (data() + i) T();
+        }
         used_ = n * sizeof(T);
     }
     /// n elements; new ones are not initialised: to be written before they are read.
