@@ -6,9 +6,9 @@
 /// takes a sixth off the compile time of the call. It has those of std::vector's members that are used here, and converts from
 /// and to a std::vector, by a copy.
 ///
-/// The largest are read at random, as tables of moments are, 20 bytes for each of up to 2^22 px. In pages of 4 KiB the processor
-/// knows where few of them are, and the system hands out each by itself at its first use. Linux has pages of 2 MiB where it is
-/// asked for them (madvise(2)), unless /sys/kernel/mm/transparent_hugepage/enabled is "never".
+/// The largest are read at random, as tables of moments are, 16 bytes for each of up to 2^22 px of 8-bit RGB. In pages of 4 KiB
+/// the processor knows where few of them are, and the system hands out each by itself at its first use. Linux has pages of 2 MiB
+/// where it is asked for them (madvise(2)), unless /sys/kernel/mm/transparent_hugepage/enabled is "never".
 #ifndef HMESH_CORE_ARRAY_HPP
 #define HMESH_CORE_ARRAY_HPP
 

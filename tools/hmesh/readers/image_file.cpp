@@ -43,8 +43,8 @@ std::string check_early(std::FILE* file, Bytes beginning) {
     return check_tiff_directory({directory.data(), directory.size()}, beginning.u8(0) == 'I');
 }
 
-// `expected`: as many bytes as there may be, or 0. Memory that grows is touched several times over, which for a raw image takes a
-// tenth of the time of a draft.
+// `expected`: as many bytes as there may be, or 0. Memory that grows is touched several times over, which for a raw image takes
+// up to a tenth of the time of a draft.
 std::string read_bytes(std::FILE* file, std::size_t expected, std::vector<unsigned char>& bytes) {
     errno = 0;
     bytes.resize(first_read);
