@@ -88,6 +88,42 @@ TEST_CASE("no single step of one channel lowers the energy of bounded colours") 
     CHECK(at_bounds > 20);
 }
 
+TEST_CASE("locked vertices keep their colours, and the others have the best beside them") {
+    for (const double grid : {0.0, 1.0}) {
+        CAPTURE(grid);
+        Sample<std::uint8_t, 3> s(test::noise<std::uint8_t, 3>(30, 26, 3), no_ridge());
+        test::jitter(s.mesh, 6, 5, 60, 3);
+        auto colors = colors_of(s.mesh);
+        const auto is_locked = [](hmesh::kit::Vertex v) { return v.index() % 3 == 0; };
+        for (const hmesh::kit::Vertex v : s.mesh.topology().vertices()) {
+            if (!is_locked(v)) continue;
+            for (int k = 0; k < 3; ++k) colors[v.index()].set(k, 10.0 + 40 * k + static_cast<double>(v.index()));  // any
+            s.mesh.lock(v, s.mesh.topology().valence(v));
+        }
+        s.mesh.set_colors(colors);
+        REQUIRE(bounded_colors(s.mesh, {0, 255, grid}).converged);
+        CHECK(s.mesh.check());
+        const double energy = s.mesh.energy(), step = grid > 0 ? grid : 0.01;
+        int locked = 0, would_move = 0;
+        for (const hmesh::kit::Vertex v : s.mesh.topology().vertices())
+            for (int k = 0; k < 3; ++k) {
+                const double now = s.mesh.color(v)[k];
+                double lowest = energy;
+                for (const double d : {-step, step})
+                    if (now + d >= 0 && now + d <= 255) lowest = std::min(lowest, energy_with(s.mesh, v, k, d));
+                if (is_locked(v)) {
+                    CHECK(now == colors[v.index()][k]);
+                    ++locked;
+                    would_move += lowest < energy * (1 - 1e-9) ? 1 : 0;
+                } else {
+                    CHECK(lowest >= energy * (1 - 1e-9));
+                }
+            }
+        CHECK(locked > 30);
+        CHECK(2 * would_move > locked);
+    }
+}
+
 TEST_CASE("bounded colours without a grid are the minimum over the box: the gradient points out of it or is zero") {
     Sample<float, 3> s(test::noise<float, 3>(60, 50, 7), no_ridge());
     test::jitter(s.mesh, 9, 7, 0, 7);
