@@ -14,6 +14,7 @@
 #include "hmesh/fit/rendered_error.hpp"
 #include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/mesh.hpp"
+#include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_sanitized.hpp"
 
@@ -103,5 +104,42 @@ TEST_CASE("pixels are seen whose difference is less than what rounding takes of 
         ImageMesh<3> mesh(table, 0, 65535);
         REQUIRE(mesh.assign({{0, 0}, {width, 0}, {width, height}, {0, height}}, {{0, 1, 2}, {0, 2, 3}}));
         CHECK(largest_error(mesh) == doctest::Approx(3).epsilon(1e-9));
+    }
+}
+
+TEST_CASE("the largest error is the same to the bit on any executor, in whatever piece of faces it lies") {
+    constexpr int width = 60, height = 40;
+    std::vector<std::size_t> pieces;
+    for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+        CAPTURE(seed);
+        hmesh::kit::Random random(seed);
+        Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(width, height, seed);
+        for (std::size_t k = 0; k < image.size(); ++k) image.data()[k] /= 8;
+        *image.pixel(static_cast<int>(random.below(width)), static_cast<int>(random.below(height))) = 255;
+        const ImageSource<1> source(image.view());
+        const auto table = source.table({0, 0, width, height});
+        std::vector<hmesh::kit::Point> points;
+        std::vector<hmesh::Triangle> triangles;
+        for (int y = 0; y <= height; ++y)
+            for (int x = 0; x <= width; ++x) points.push_back({static_cast<double>(x), static_cast<double>(y)});
+        for (std::uint32_t y = 0; y < height; ++y)
+            for (std::uint32_t x = 0; x < width; ++x) {
+                const std::uint32_t a = y * (width + 1) + x, b = a + width + 1;
+                triangles.push_back({a, a + 1, b + 1});
+                triangles.push_back({a, b + 1, b});
+            }
+        ImageMesh<1> mesh(table, 0, 255);
+        REQUIRE(mesh.assign(points, triangles, std::vector<Color<1>>(points.size(), Color<1>::zero())));
+        const double expected = largest_error(mesh);
+        CHECK(expected == 255);
+        CHECK(largest_error(mesh, hmesh_test::ReverseFor{}) == expected);
+        CHECK(largest_error(mesh, hmesh_test::ShuffledFor{seed}) == expected);
+        CHECK(largest_error(mesh, hmesh_test::ThreadFor{3}) == expected);
+        const auto counted = [&](std::size_t n, hmesh::Piece piece) {
+            pieces.push_back(n);
+            for (std::size_t k = 0; k < n; ++k) piece(k);
+        };
+        CHECK(largest_error(mesh, counted) == expected);
+        CHECK(pieces.back() == (2 * width * height + 1023) / 1024);
     }
 }

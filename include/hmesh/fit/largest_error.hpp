@@ -9,9 +9,12 @@
 #define HMESH_FIT_LARGEST_ERROR_HPP
 
 #include <algorithm>
+#include <atomic>
+#include <cstddef>
 #include <cstdint>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/edge_moments.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/raster.hpp"
@@ -61,19 +64,28 @@ template <int C>
 }  // namespace detail
 
 /// The largest difference between the mesh and a sample of its pixels and channels, in stored values; pixels of weight 0 do not
-/// count. Samples are those of the table, exact for integers.
+/// count. Samples are those of the table, exact for integers. The executor looks at 1024 faces a piece; which of them are passed
+/// over depends on who comes first, the largest difference of all does not.
 template <int C>
-[[nodiscard]] HMESH_COLD double largest_error(const ImageMesh<C>& mesh) {
-    double largest = 0;
+[[nodiscard]] HMESH_COLD double largest_error(const ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
+    double least = 0;
     Face first;
     for (const Face f : mesh.topology().faces())
         if (!first.is_valid() || mesh.energy(f) > mesh.energy(first)) first = f;
-    if (first.is_valid()) largest = detail::largest_error(mesh, first, largest);
+    if (first.is_valid()) least = detail::largest_error(mesh, first, least);
     const MomentTable<C>& table = mesh.table();
     const double lost = detail::lost_energy(table);
-    for (const Face f : mesh.topology().faces())
-        if (table.is_weighted() || mesh.energy(f) + lost > largest * largest) largest = detail::largest_error(mesh, f, largest);
-    return largest;
+    std::atomic<double> largest{least};
+    for_each_chunk(parallel_for, mesh.topology().face_slots(), 1024, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const Face f(k);
+            double known = largest.load(std::memory_order_relaxed);
+            if (mesh.topology().is_deleted(f) || !(table.is_weighted() || mesh.energy(f) + lost > known * known)) continue;
+            const double found = detail::largest_error(mesh, f, known);
+            while (found > known && !largest.compare_exchange_weak(known, found, std::memory_order_relaxed)) continue;
+        }
+    });
+    return largest.load(std::memory_order_relaxed);
 }
 
 }  // namespace hmesh::kit

@@ -222,7 +222,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
             out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
-            if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh());
+            if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh(), tiled.parallel_for());
         }))
         return out;
     out.bounded = detail::colors_by_tiles(tiled, tile, range);
