@@ -32,7 +32,6 @@
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/mesh/samples.hpp"
-#include "hmesh/mesh/spatial_order.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -168,18 +167,22 @@ struct ReadCalls {
         });
     }
 
-    /// Square after square along Morton's curve, each once.
+    /// Square after square, each once.
     HMESH_COLD static void visit(const ImageSource<C>& source, std::size_t count, FunctionRef<Point(std::size_t k)> at,
                                  FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) {
-        constexpr std::uint32_t square = 16;  // bits of a place in a square of 256 px
+        constexpr double side = 256;  // px of a square
         const auto place = [&](std::size_t k) {
             const Point p = at(k);
             return Point{std::floor(std::min(p.x, source.width() - 1.0)), std::floor(std::min(p.y, source.height() - 1.0))};
         };
-        const Array<Coded> items = sorted_numbers(count, [&](std::uint32_t k) { return std::uint64_t{morton_code(place(k))}; });
+        // Row by row, so that who reads the image may keep what lies beside a square; a curve through them would turn back.
+        const Array<Coded> items = sorted_numbers(count, [&](std::uint32_t k) {
+            const Point p = place(k);
+            return code_of(static_cast<std::uint32_t>(p.y / side), static_cast<std::uint32_t>(p.x / side));
+        });
         for (std::size_t k = 0, next = 0; k < count; k = next) {
             Point low = place(items[k].number), high = low;
-            for (next = k; next < count && items[next].code >> square == items[k].code >> square; ++next) {
+            for (next = k; next < count && items[next].code == items[k].code; ++next) {
                 const Point p = place(items[next].number);
                 low = {std::min(low.x, p.x), std::min(low.y, p.y)};
                 high = {std::max(high.x, p.x), std::max(high.y, p.y)};
