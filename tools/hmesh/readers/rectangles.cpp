@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/image/image_reader.hpp"
 #include "readers/file_at.hpp"
@@ -76,7 +77,7 @@ class PlainFile : public RectangleFile {
     // of a job do, reads no more than these.
     struct Band {
         int number = -1, users = 0;
-        std::vector<unsigned char> bytes;
+        hmesh::kit::Array<unsigned char> bytes;  // in large pages: a tile takes a piece of each of its rows
     };
     // A band that is not read over while it is looked at.
     class BandInUse {
@@ -116,7 +117,7 @@ class PlainFile : public RectangleFile {
             Band& read = **at;
             read.number = -1;  // what is there now goes
             const auto rows = static_cast<std::size_t>(std::min(band_rows, layout_.height - number * band_rows));
-            read.bytes.resize(rows * layout_.row_bytes());
+            read.bytes.resize_raw(rows * layout_.row_bytes());
             if (std::string why = file_.read(place_of(number * band_rows), read.bytes.size(), read.bytes.data()); !why.empty())
                 return why;
             read.number = number;
