@@ -108,23 +108,27 @@ TEST_CASE("pixels are seen whose difference is less than what rounding takes of 
 }
 
 TEST_CASE("the largest error is the same to the bit on any executor, in whatever piece of faces it lies") {
-    constexpr int width = 60, height = 40;
+    constexpr int columns = 60, rows = 40, width = 2 * columns, height = 2 * rows;
     std::vector<std::size_t> pieces;
     for (std::uint64_t seed = 1; seed <= 6; ++seed) {
         CAPTURE(seed);
         hmesh::kit::Random random(seed);
         Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(width, height, seed);
         for (std::size_t k = 0; k < image.size(); ++k) image.data()[k] /= 8;
-        *image.pixel(static_cast<int>(random.below(width)), static_cast<int>(random.below(height))) = 255;
+        // The cell with the faces of most energy, and the pixel with the largest difference in another one.
+        const int place = static_cast<int>(random.below(columns * rows)), other = (place + 1) % (columns * rows);
+        for (const int dy : {0, 1})
+            for (const int dx : {0, 1}) *image.pixel(2 * (other % columns) + dx, 2 * (other / columns) + dy) = 200;
+        *image.pixel(2 * (place % columns), 2 * (place / columns)) = 255;
         const ImageSource<1> source(image.view());
         const auto table = source.table({0, 0, width, height});
         std::vector<hmesh::kit::Point> points;
         std::vector<hmesh::Triangle> triangles;
-        for (int y = 0; y <= height; ++y)
-            for (int x = 0; x <= width; ++x) points.push_back({static_cast<double>(x), static_cast<double>(y)});
-        for (std::uint32_t y = 0; y < height; ++y)
-            for (std::uint32_t x = 0; x < width; ++x) {
-                const std::uint32_t a = y * (width + 1) + x, b = a + width + 1;
+        for (int y = 0; y <= rows; ++y)
+            for (int x = 0; x <= columns; ++x) points.push_back({2.0 * x, 2.0 * y});
+        for (std::uint32_t y = 0; y < rows; ++y)
+            for (std::uint32_t x = 0; x < columns; ++x) {
+                const std::uint32_t a = y * (columns + 1) + x, b = a + columns + 1;
                 triangles.push_back({a, a + 1, b + 1});
                 triangles.push_back({a, b + 1, b});
             }
@@ -140,6 +144,6 @@ TEST_CASE("the largest error is the same to the bit on any executor, in whatever
             for (std::size_t k = 0; k < n; ++k) piece(k);
         };
         CHECK(largest_error(mesh, counted) == expected);
-        CHECK(pieces.back() == (2 * width * height + 1023) / 1024);
+        CHECK(pieces.back() == (2 * columns * rows + 1023) / 1024);
     }
 }
