@@ -205,7 +205,7 @@ int main(int argc, char** argv) {
         const bench::Picture mosaic = mosaic_of(*picture, columns);
         for (const std::string& size : sizes) {
             hmesh::Options options;
-            options.target = hmesh::Target::vertices(static_cast<std::size_t>(std::atoll(size.c_str())));
+            options.target = hmesh::Target::vertices(std::atoll(size.c_str()));
             options.limits.position_step = 1.0 / grid;
             auto result = hmesh::mesh_image(mosaic.view(), options, recipe);
             if (!result.has_mesh()) {
