@@ -1672,7 +1672,6 @@ struct Barycentric {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -1784,7 +1783,7 @@ struct TorusSide {
 };
 
 /// The sides of all faces of a sheet, those of an edge next to each other. O(n log n).
-[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const Array<Triangle>& faces,
                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
     Array<TorusSide> sides;
     sides.reserve(3 * faces.size());
@@ -1817,7 +1816,7 @@ namespace detail {
 /// Checks that a sheet is a mesh of the torus or cylinder, `roots` being its tied_vertices(): faces of positive area whose sum is
 /// the image's, each edge with a face on both sides of it, but for those on sides of a cylinder, and Euler's characteristic 0.
 /// Such faces cover each place once. Errc::invalid_argument with the index of what is wrong. O(n log n).
-[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const Array<Triangle>& faces,
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     const auto fail = [](const char* what, std::size_t where) -> Status { return {Errc::invalid_argument, what, where}; };
     double area = 0;
@@ -9506,7 +9505,6 @@ class UndoArray {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -9520,7 +9518,7 @@ class HalfedgeMesh {
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
     /// used twice in one direction, an isolated vertex, a vertex where two fans meet, two faces back to back. O(n) for bounded
     /// valences.
-    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const Array<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
@@ -9584,7 +9582,7 @@ class HalfedgeMesh {
     }
     /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
     /// what assign() takes. O(n).
-    [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
+    [[nodiscard]] HMESH_COLD Array<Triangle> triangles() const;
     /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
@@ -9701,8 +9699,7 @@ class HalfedgeMesh {
     [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
 
     struct Sides;
-    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count,
-                                                                 const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count, const Array<Triangle>& triangles);
     [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
     [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
     [[nodiscard]] HMESH_COLD Status check_vertex(Vertex v) const;
@@ -9858,7 +9855,7 @@ struct HalfedgeMesh::Sides {
 
 /// Finds the half-edges of the sides, the two of an edge beside each other. Refuses a vertex that is none, one that a triangle
 /// names twice, and two sides that run from one vertex to another.
-HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const Array<Triangle>& triangles) {
     Sides out;
     const auto fail = [&out](const char* what, std::size_t where) {
         out.status = {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
@@ -9920,7 +9917,7 @@ Status HalfedgeMesh::link_boundary() {
     return {};
 }
 
-Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+Status HalfedgeMesh::assign(std::size_t vertex_count, const Array<Triangle>& triangles) {
     clear();
     if (vertex_count >= free_end / 6)
         return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
@@ -9960,11 +9957,11 @@ bool HalfedgeMesh::do_turns_meet_all() const {
     return met == halfedges_.size();
 }
 
-inline std::vector<Triangle> HalfedgeMesh::triangles() const {
+inline Array<Triangle> HalfedgeMesh::triangles() const {
     Array<std::uint32_t> numbers(vertex_slots(), 0);
     std::uint32_t count = 0;
     for (const Vertex v : vertices()) numbers[v.index()] = count++;
-    std::vector<Triangle> out;
+    Array<Triangle> out;
     out.reserve(face_count());
     for (const Face f : faces()) {
         const std::array<Vertex, 3> v = vertices(f);
@@ -10367,7 +10364,6 @@ HMESH_ALWAYS_INLINE void for_each_edge(const HalfedgeMesh& topology, Face f, Bod
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -10411,10 +10407,10 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                                                 const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
-    [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] Status assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }
@@ -10767,7 +10763,7 @@ Status ImageMesh<C>::refuse(const Status& status) {
 }
 
 template <int C>
-Status ImageMesh<C>::assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+Status ImageMesh<C>::assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                             const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(table_ != nullptr && depth_ == 0);
     if (const Status status = check_vertices(positions, colors); !status) return refuse(status);
@@ -13029,7 +13025,6 @@ HMESH_COLD std::size_t subdivide(ImageMesh<C>& mesh, std::size_t count) {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -13042,7 +13037,7 @@ struct IndexedMesh {
     Array<Point> positions;              ///< px, y down, on the 1/256 px grid
     Array<Color<C>> colors;              ///< stored values
     Array<unsigned char> dirty;          ///< not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
+    Array<Triangle> faces;               ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
     std::size_t locked_count = 0;        ///< the first so many vertices were locked in the last phase of work
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
@@ -13081,7 +13076,7 @@ struct IndexedMesh {
 namespace detail {
 
 /// What check() says of a periodic mesh besides its arrays' lengths.
-[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const Array<Triangle>& faces,
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];
@@ -13470,7 +13465,6 @@ class Tilings {
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -13490,8 +13484,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
-                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const Array<Triangle>& faces, const Tiling& tiling,
+                                             const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -13550,14 +13544,14 @@ struct PatchFaces {
         std::uint32_t vertex;  ///< in the indexed mesh
         int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> faces;    ///< in the order of Cut::faces
+    Array<Triangle> faces;          ///< in the order of Cut::faces
     Array<Locked> locked;           ///< vertices after the free ones
     Array<std::uint32_t> vertices;  ///< all of them by their index in the indexed mesh
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const Array<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
@@ -13604,7 +13598,7 @@ struct PatchResult {
     Array<Point> positions;             ///< of the free vertices, px of the image
     Array<TightColor<C>> colors;        ///< of the free vertices
     Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
-    std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
+    Array<Triangle> faces;              ///< indices of free vertices, then of `locked`
     Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
     Array<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
     double first_energy = 0;            ///< of the patch's faces before the work
@@ -13822,7 +13816,6 @@ class Patch {
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace hmesh::kit {
 namespace detail {
@@ -13830,14 +13823,14 @@ namespace detail {
 /// A sheet made of another one.
 struct Recut {
     Array<Point> positions;        ///< of its vertices
-    std::vector<Triangle> faces;   ///< in the order of the other sheet's
+    Array<Triangle> faces;         ///< in the order of the other sheet's
     Array<std::uint32_t> roots;    ///< as IndexedMesh::roots
     Array<std::uint32_t> from;     ///< of each vertex, the other sheet's vertex that is the same on the torus
     std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
 /// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const Array<Triangle>& faces,
                                                   const Array<std::uint32_t>& roots, const Array<Turns>& turns,
                                                   std::size_t locked_count, const Torus& torus) {
     const std::size_t n = positions.size();
@@ -13884,8 +13877,8 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
-[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
-                                                            int x, int y, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const Array<Triangle>& faces, int x,
+                                                            int y, const Torus& torus) {
     Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const Triangle& face = faces[f];
@@ -13896,7 +13889,7 @@ struct Recut {
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
 /// there is one.
-[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const Array<Triangle>& faces,
                                                               const Array<std::uint32_t>& roots, const Torus& torus) {
     const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     struct Neighbor {
@@ -13942,7 +13935,7 @@ struct Recut {
 
 /// Renames corners of faces where several fans of faces meet in one vertex of a sheet: each fan but the first gets a vertex of
 /// its own, numbered from positions.size() on. Returns the vertices that these are copies of. `roots`: as IndexedMesh::roots.
-[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, std::vector<Triangle>& faces) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, Array<Triangle>& faces) {
     Array<unsigned char> is_tied(roots.size(), 0);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) is_tied[v] = is_tied[roots[v]] = 1;
@@ -15122,7 +15115,6 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -15216,7 +15208,7 @@ template <int C>
 namespace detail {
 
 /// How many faces each vertex is a corner of.
-[[nodiscard]] HMESH_COLD inline Array<int> corner_counts(std::size_t vertex_count, const std::vector<Triangle>& faces) {
+[[nodiscard]] HMESH_COLD inline Array<int> corner_counts(std::size_t vertex_count, const Array<Triangle>& faces) {
     Array<int> counts(vertex_count, 0);
     for (const Triangle& t : faces)
         for (const std::uint32_t v : t) ++counts[v];
@@ -15336,7 +15328,7 @@ template <int C>
 /// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
 /// one that has about `limit` edges or more. False: there is none. O(n), and a byte for each pixel of the image.
 [[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
-                                                     const std::vector<Triangle>& faces, int width, int height, int limit) {
+                                                     const Array<Triangle>& faces, int width, int height, int limit) {
     const Array<int> counts = detail::corner_counts(positions.size(), faces);
     const auto columns = static_cast<std::size_t>(width);
     Array<std::uint8_t> is_crowded(columns * static_cast<std::size_t>(height), 0);

@@ -2152,7 +2152,6 @@ struct ScaledPlane {
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 namespace hmesh::kit {
 
@@ -2172,7 +2171,7 @@ enum Freedom : std::uint8_t {
 struct Sheet {
     Array<Corner> vertices;       ///< where they stand and how high
     Array<std::uint8_t> freedom;  ///< bits of Freedom, for each vertex
-    std::vector<Triangle> faces;  ///< positively oriented
+    Array<Triangle> faces;        ///< positively oriented
 };
 
 /// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Calls

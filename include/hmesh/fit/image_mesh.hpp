@@ -17,7 +17,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -79,10 +78,10 @@ class ImageMesh {
     /// empty: positions outside the rectangle or off the 1/256 px grid, another number of colours than of vertices, numbers that
     /// are not finite, and what HalfedgeMesh::assign() refuses. Whether faces are positively oriented and tile the rectangle is
     /// for check() to say. The executor fills in edges and faces.
-    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] HMESH_PATCHWISE Status assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                                                 const Array<Color<C>>& colors, const ParallelFor& parallel_for = {});
     /// Replaces the mesh by a triangulation as above, with the colours of the pixels.
-    [[nodiscard]] Status assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+    [[nodiscard]] Status assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                                 const ParallelFor& parallel_for = {}) {
         return assign(positions, triangles, {}, parallel_for);
     }

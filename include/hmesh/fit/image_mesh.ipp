@@ -48,7 +48,7 @@ Status ImageMesh<C>::refuse(const Status& status) {
 }
 
 template <int C>
-Status ImageMesh<C>::assign(const Array<Point>& positions, const std::vector<Triangle>& triangles,
+Status ImageMesh<C>::assign(const Array<Point>& positions, const Array<Triangle>& triangles,
                             const Array<Color<C>>& colors, const ParallelFor& parallel_for) {
     HMESH_ASSERT(table_ != nullptr && depth_ == 0);
     if (const Status status = check_vertices(positions, colors); !status) return refuse(status);

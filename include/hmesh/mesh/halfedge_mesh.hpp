@@ -15,8 +15,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/status.hpp"
@@ -38,7 +38,7 @@ class HalfedgeMesh {
     /// (invalid_argument with the index where, or image_too_large, and leaves the mesh empty): an index out of range, an edge
     /// used twice in one direction, an isolated vertex, a vertex where two fans meet, two faces back to back. O(n) for bounded
     /// valences.
-    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline Status assign(std::size_t vertex_count, const Array<Triangle>& triangles);
 
     // --- counts and elements: live ones, and slots including deleted ones (the size for arrays indexed by handles) ---
     [[nodiscard]] std::size_t vertex_count() const noexcept { return counts_.vertices; }     ///< number of live vertices
@@ -102,7 +102,7 @@ class HalfedgeMesh {
     }
     /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
     /// what assign() takes. O(n).
-    [[nodiscard]] HMESH_COLD std::vector<Triangle> triangles() const;
+    [[nodiscard]] HMESH_COLD Array<Triangle> triangles() const;
     /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
@@ -219,8 +219,7 @@ class HalfedgeMesh {
     [[nodiscard]] static std::size_t corner_after(std::size_t k) noexcept { return k == 2 ? 0 : k + 1; }
 
     struct Sides;
-    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count,
-                                                                 const std::vector<Triangle>& triangles);
+    [[nodiscard]] HMESH_PATCHWISE inline static Sides find_sides(std::size_t vertex_count, const Array<Triangle>& triangles);
     [[nodiscard]] HMESH_PATCHWISE inline Status link_boundary();
     [[nodiscard]] HMESH_PATCHWISE inline bool do_turns_meet_all() const;
     [[nodiscard]] HMESH_COLD Status check_vertex(Vertex v) const;

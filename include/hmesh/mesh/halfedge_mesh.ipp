@@ -26,7 +26,7 @@ struct HalfedgeMesh::Sides {
 
 /// Finds the half-edges of the sides, the two of an edge beside each other. Refuses a vertex that is none, one that a triangle
 /// names twice, and two sides that run from one vertex to another.
-HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+HalfedgeMesh::Sides HalfedgeMesh::find_sides(std::size_t vertex_count, const Array<Triangle>& triangles) {
     Sides out;
     const auto fail = [&out](const char* what, std::size_t where) {
         out.status = {Errc::invalid_argument, what, static_cast<std::int64_t>(where), 0};
@@ -88,7 +88,7 @@ Status HalfedgeMesh::link_boundary() {
     return {};
 }
 
-Status HalfedgeMesh::assign(std::size_t vertex_count, const std::vector<Triangle>& triangles) {
+Status HalfedgeMesh::assign(std::size_t vertex_count, const Array<Triangle>& triangles) {
     clear();
     if (vertex_count >= free_end / 6)
         return {Errc::image_too_large, "a mesh has too many vertices", static_cast<std::int64_t>(vertex_count), free_end / 6};
@@ -128,11 +128,11 @@ bool HalfedgeMesh::do_turns_meet_all() const {
     return met == halfedges_.size();
 }
 
-inline std::vector<Triangle> HalfedgeMesh::triangles() const {
+inline Array<Triangle> HalfedgeMesh::triangles() const {
     Array<std::uint32_t> numbers(vertex_slots(), 0);
     std::uint32_t count = 0;
     for (const Vertex v : vertices()) numbers[v.index()] = count++;
-    std::vector<Triangle> out;
+    Array<Triangle> out;
     out.reserve(face_count());
     for (const Face f : faces()) {
         const std::array<Vertex, 3> v = vertices(f);

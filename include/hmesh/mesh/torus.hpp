@@ -12,7 +12,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/coded_order.hpp"
@@ -135,7 +134,7 @@ struct TorusSide {
 };
 
 /// The sides of all faces of a sheet, those of an edge next to each other. O(n log n).
-[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Array<TorusSide> torus_sides(const Array<Point>& positions, const Array<Triangle>& faces,
                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
     Array<TorusSide> sides;
     sides.reserve(3 * faces.size());
@@ -168,7 +167,7 @@ namespace detail {
 /// Checks that a sheet is a mesh of the torus or cylinder, `roots` being its tied_vertices(): faces of positive area whose sum is
 /// the image's, each edge with a face on both sides of it, but for those on sides of a cylinder, and Euler's characteristic 0.
 /// Such faces cover each place once. Errc::invalid_argument with the index of what is wrong. O(n log n).
-[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Status check_torus(const Array<Point>& positions, const Array<Triangle>& faces,
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     const auto fail = [](const char* what, std::size_t where) -> Status { return {Errc::invalid_argument, what, where}; };
     double area = 0;

@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -116,7 +115,7 @@ template <int C>
 namespace detail {
 
 /// How many faces each vertex is a corner of.
-[[nodiscard]] HMESH_COLD inline Array<int> corner_counts(std::size_t vertex_count, const std::vector<Triangle>& faces) {
+[[nodiscard]] HMESH_COLD inline Array<int> corner_counts(std::size_t vertex_count, const Array<Triangle>& faces) {
     Array<int> counts(vertex_count, 0);
     for (const Triangle& t : faces)
         for (const std::uint32_t v : t) ++counts[v];
@@ -236,7 +235,7 @@ template <int C>
 /// Where bound_valence() has failed: drops every second of the pixels, given as y * width + x, whose vertices share a face with
 /// one that has about `limit` edges or more. False: there is none. O(n), and a byte for each pixel of the image.
 [[nodiscard]] HMESH_COLD inline bool leave_out_crowd(Array<std::uint32_t>& pixels, const Array<Point>& positions,
-                                                     const std::vector<Triangle>& faces, int width, int height, int limit) {
+                                                     const Array<Triangle>& faces, int width, int height, int limit) {
     const Array<int> counts = detail::corner_counts(positions.size(), faces);
     const auto columns = static_cast<std::size_t>(width);
     Array<std::uint8_t> is_crowded(columns * static_cast<std::size_t>(height), 0);

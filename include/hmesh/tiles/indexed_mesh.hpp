@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -36,7 +35,7 @@ struct IndexedMesh {
     Array<Point> positions;              ///< px, y down, on the 1/256 px grid
     Array<Color<C>> colors;              ///< stored values
     Array<unsigned char> dirty;          ///< not 0: surroundings changed since the vertex was last optimised
-    std::vector<Triangle> faces;         ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
+    Array<Triangle> faces;               ///< indices of vertices, each face turning like (0, 0), (1, 0), (0, 1)
     double energy = 0;                   ///< squared error over pixels and channels, as of the last phase of work
     std::size_t locked_count = 0;        ///< the first so many vertices were locked in the last phase of work
     Periodic periodic = Periodic::none;  ///< along which axes the mesh repeats
@@ -75,7 +74,7 @@ struct IndexedMesh {
 namespace detail {
 
 /// What check() says of a periodic mesh besides its arrays' lengths.
-[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Status check_sheet(const Array<Point>& positions, const Array<Triangle>& faces,
                                                    const Array<std::uint32_t>& roots, const Torus& torus) {
     for (std::size_t v = 0; v < positions.size(); ++v) {
         const Point p = positions[v];

@@ -20,7 +20,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
@@ -55,8 +54,8 @@ struct Cut {
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
 /// are free in no tile; else empty. O(faces).
-[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const std::vector<Triangle>& faces,
-                                             const Tiling& tiling, const Array<std::uint32_t>& roots = {}) {
+[[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const Array<Triangle>& faces, const Tiling& tiling,
+                                             const Array<std::uint32_t>& roots = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
@@ -115,14 +114,14 @@ struct PatchFaces {
         std::uint32_t vertex;  ///< in the indexed mesh
         int face_count;        ///< faces of this fan
     };
-    std::vector<Triangle> faces;    ///< in the order of Cut::faces
+    Array<Triangle> faces;          ///< in the order of Cut::faces
     Array<Locked> locked;           ///< vertices after the free ones
     Array<std::uint32_t> vertices;  ///< all of them by their index in the indexed mesh
 };
 
 /// Numbers the vertices of a tile's faces for its patch. O(faces of the tile), and the square of the faces around each locked
 /// vertex.
-[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const std::vector<Triangle>& faces, const Cut& cut, std::size_t tile) {
+[[nodiscard]] HMESH_PATCHWISE inline PatchFaces renumber(const Array<Triangle>& faces, const Cut& cut, std::size_t tile) {
     PatchFaces patch;
     Array<FanCorner> corners;  // at locked vertices
     patch.faces.reserve(cut.first[tile + 1] - cut.first[tile]);
@@ -169,7 +168,7 @@ struct PatchResult {
     Array<Point> positions;             ///< of the free vertices, px of the image
     Array<TightColor<C>> colors;        ///< of the free vertices
     Array<unsigned char> dirty;         ///< of the free vertices, as in IndexedMesh
-    std::vector<Triangle> faces;        ///< indices of free vertices, then of `locked`
+    Array<Triangle> faces;              ///< indices of free vertices, then of `locked`
     Array<std::uint32_t> locked;        ///< locked vertices by their index in the cut mesh; may repeat
     Array<std::uint32_t> locked_dirty;  ///< those that are dirty, by their index in the cut mesh
     double first_energy = 0;            ///< of the patch's faces before the work

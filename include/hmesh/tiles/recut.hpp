@@ -11,7 +11,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <utility>
-#include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -29,14 +28,14 @@ namespace detail {
 /// A sheet made of another one.
 struct Recut {
     Array<Point> positions;        ///< of its vertices
-    std::vector<Triangle> faces;   ///< in the order of the other sheet's
+    Array<Triangle> faces;         ///< in the order of the other sheet's
     Array<std::uint32_t> roots;    ///< as IndexedMesh::roots
     Array<std::uint32_t> from;     ///< of each vertex, the other sheet's vertex that is the same on the torus
     std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
 /// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const Array<Triangle>& faces,
                                                   const Array<std::uint32_t>& roots, const Array<Turns>& turns,
                                                   std::size_t locked_count, const Torus& torus) {
     const std::size_t n = positions.size();
@@ -83,8 +82,8 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
-[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const std::vector<Triangle>& faces,
-                                                            int x, int y, const Torus& torus) {
+[[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const Array<Triangle>& faces, int x,
+                                                            int y, const Torus& torus) {
     Array<Turns> turns(faces.size());
     for (std::size_t f = 0; f < faces.size(); ++f) {
         const Triangle& face = faces[f];
@@ -95,7 +94,7 @@ struct Recut {
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
 /// there is one.
-[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const std::vector<Triangle>& faces,
+[[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const Array<Triangle>& faces,
                                                               const Array<std::uint32_t>& roots, const Torus& torus) {
     const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
     struct Neighbor {
@@ -141,7 +140,7 @@ struct Recut {
 
 /// Renames corners of faces where several fans of faces meet in one vertex of a sheet: each fan but the first gets a vertex of
 /// its own, numbered from positions.size() on. Returns the vertices that these are copies of. `roots`: as IndexedMesh::roots.
-[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, std::vector<Triangle>& faces) {
+[[nodiscard]] HMESH_COLD inline Array<std::uint32_t> split_fans(const Array<std::uint32_t>& roots, Array<Triangle>& faces) {
     Array<unsigned char> is_tied(roots.size(), 0);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) is_tied[v] = is_tied[roots[v]] = 1;
