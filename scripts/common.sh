@@ -40,6 +40,17 @@ for folder in /usr/include /usr/local/include /opt/homebrew/include; do
     include_folders+=(-isystem "$folder/eigen3" -isystem "$folder/stb" -isystem "$folder/gdal")
 done
 include_folders+=(-isystem /opt/homebrew/include)
+export include_words="${include_folders[*]}"  # for shells that xargs starts: a list cannot be exported
+
+# clang_tidy ARGUMENT...: runs clang-tidy, and prints what it says only if it fails, without how many warnings it kept to itself.
+# For shells that xargs starts, too.
+clang_tidy() {
+    local said
+    said=$("${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}" --quiet "$@" 2>&1) && return
+    printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
+    return 1
+}
+export -f clang_tidy
 
 has_header() {
     printf '#include <%s>\n' "$1" | "${CXX:-c++}" -x c++ -E "${include_folders[@]}" - >/dev/null 2>&1

@@ -43,19 +43,13 @@ esac
 need "${needed[@]}"
 
 # The compile line is said here, so that nothing need be configured first.
-CLANG_TIDY=${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}
-include_words=${include_folders[*]}  # a list cannot be exported
 for library in PNG=png.h JPEG=jpeglib.h WEBP=webp/demux.h TIFF=tiffio.h GDAL=gdal.h; do
     ! has_header "${library#*=}" || include_words+=" -DHMESH_HAS_${library%=*}"
 done
-export CLANG_TIDY include_words checks
+export checks
+# shellcheck disable=SC2086  # words
 tidy() {
-    local said
-    # What it says to standard error is how many warnings it kept to itself, unless it fails.
-    # shellcheck disable=SC2086  # words
-    said=$("$CLANG_TIDY" --quiet $checks "$1" -- -std=c++17 -Iinclude -Iexamples -Itools -Itools/hmesh -Itools/pictures -Itests -Itests/fuzz $include_words 2>&1) && return
-    printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
-    return 1
+    clang_tidy $checks "$1" -- -std=c++17 -Iinclude -Iexamples -Itools -Itools/hmesh -Itools/pictures -Itests -Itests/fuzz $include_words
 }
 export -f tidy
 # shellcheck disable=SC2016  # an argument of that shell
