@@ -121,6 +121,18 @@ class Command:
         is_failure(run, sentence)
 
 
+class Terrain(Command):
+    """hmesh-terrain. What it can read by itself it does, for that is most tests' way to some heights: GDAL takes longer to load than
+    such a test to run. `takes_gdal`: by GDAL, where it has that, as it does for its users."""
+
+    takes_gdal = False
+
+    def words(self, arguments):
+        words = super().words(arguments)
+        reads_alone = any(str(word).endswith((".asc", ".hgt", ".pgm", ".png")) for word in words) and words[1:3] != ["job", "run"]
+        return [*words, "--no-gdal"] if reads_alone and not self.takes_gdal and "--no-gdal" not in words else words
+
+
 def limit(what, size):
     """For run(): no more than so many bytes. Python has SIGXFSZ ignored, and so has what it starts."""
     return {"preexec_fn": lambda: resource.setrlimit(what, (size, size)), "restore_signals": False}
@@ -158,7 +170,7 @@ def terrain(tmp_path, monkeypatch, pytestconfig):
     if not pytestconfig.getoption("terrain"):
         pytest.skip("--terrain is not given")
     monkeypatch.chdir(tmp_path)
-    return Command(program(pytestconfig, "terrain"))
+    return Terrain(program(pytestconfig, "terrain"))
 
 
 # ---- files ----
