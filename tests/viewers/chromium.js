@@ -109,41 +109,59 @@ async function touch(page) {
   if (await page.evaluate(() => window.visualViewport.scale) !== 1) throw new Error('the browser zooms the page');
 }
 
-async function show(browser, file, screenshot) {
-  const [path, part] = file.split('#');
-  const url = pathToFileURL(resolve(path)).href, is_page = path.endsWith('.html');
-  const size = is_page ? null : /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
-  const faults = [];
-  const open = async (width, height, options) => {
-    const page = await browser.newPage({ viewport: { width, height }, ...options });
-    page.on('pageerror', (error) => faults.push(String(error)));
-    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) faults.push(message.text()); });
-    page.on('request', (request) => { if (!/^(file|data|about):/.test(request.url())) faults.push('asked for ' + request.url()); });
-    return page;
-  };
-  const page = size ? await open(Number(size[1]), Number(size[2])) : await open(1600, 1200);
-  if (is_page) {
-    await page.goto(`${url}#${part || 'native'}`, patience);
-    await page.waitForSelector(part === 'original' ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
-    writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-    if (!part) {
-      await handle(page, url);
-      await unfold(page, false);
-      for (const [width, height] of [[390, 844], [844, 390]]) {  // a phone upright, and on its side
-        const phone = await open(width, height, { hasTouch: true, isMobile: true, colorScheme: 'dark' });
-        await phone.goto(url, patience);
-        await phone.waitForSelector('#mesh[data-drawn]', patience);
-        await touch(phone);
-        await unfold(phone, true);
-        await phone.close();
-      }
-    }
-  } else {
-    await page.goto(url, patience);
-    writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));
+// Pages whose faults are kept: what they say of errors, and what they ask the network for.
+class Pages {
+  constructor(browser) {
+    this.browser = browser;
+    this.faults = [];
   }
-  await page.close();
-  if (faults.length > 0) throw new Error(faults.join('\n'));
+
+  async open(options) {
+    const page = await this.browser.newPage(options);
+    page.on('pageerror', (error) => this.faults.push(String(error)));
+    page.on('console', (message) => { if (['error', 'warning'].includes(message.type())) this.faults.push(message.text()); });
+    page.on('request', (request) => {
+      if (!/^(file|data|about):/.test(request.url())) this.faults.push('asked for ' + request.url());
+    });
+    return page;
+  }
+
+  // On a large screen, and on a phone's, upright and on its side.
+  async handle(page, url) {
+    await page.setViewportSize({ width: 1000, height: 750 });  // what has fewer pixels is drawn sooner
+    await handle(page, url);
+    await unfold(page, false);
+    this.phone ??= await this.open({ hasTouch: true, isMobile: true, colorScheme: 'dark' });
+    for (const [width, height] of [[390, 844], [844, 390]]) {
+      await this.phone.goto('about:blank');
+      await this.phone.setViewportSize({ width, height });
+      await this.phone.goto(url, patience);
+      await this.phone.waitForSelector('#mesh[data-drawn]', patience);
+      await touch(this.phone);
+      await unfold(this.phone, true);
+    }
+    await this.phone.goto('about:blank');
+  }
+
+  // All files on one page: to open one takes a second.
+  async show(page, file, screenshot) {
+    const [path, part] = file.split('#');
+    const url = pathToFileURL(resolve(path)).href;
+    await page.goto('about:blank');
+    if (path.endsWith('.html')) {
+      await page.setViewportSize({ width: 1600, height: 1200 });
+      await page.goto(`${url}#${part || 'native'}`, patience);
+      await page.waitForSelector(part === 'original' ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
+      writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
+      if (!part) await this.handle(page, url);
+    } else {
+      const [, width, height] = /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
+      await page.setViewportSize({ width: Number(width), height: Number(height) });
+      await page.goto(url, patience);
+      writeFileSync(screenshot, await page.screenshot({ omitBackground: true, ...patience }));
+    }
+    if (this.faults.length > 0) throw new Error(this.faults.join('\n'));
+  }
 }
 
 async function main([folder, ...words]) {
@@ -154,9 +172,10 @@ async function main([folder, ...words]) {
       '--force-color-profile=srgb'],
   });
   try {
+    const pages = new Pages(browser), page = await pages.open();
     for (let n = 0; 3 * n < words.length; ++n) {
       const file = words[3 * n];
-      await show(browser, file, `${folder}/${n}.png`).catch((error) => { throw new Error(`${file}: ${error.message || error}`); });
+      await pages.show(page, file, `${folder}/${n}.png`).catch((error) => { throw new Error(`${file}: ${error.message || error}`); });
     }
   } finally {
     await browser.close();
