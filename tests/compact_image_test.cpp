@@ -92,6 +92,7 @@ TEST_CASE("compact files hold meshes of images that are one pixel wide, whose fl
 
 TEST_CASE("images as long as any fit into bytes of any number") {
     for (const bool bare : {false, true}) {
+        if (bare && hmesh_test::sanitized) continue;
         hmesh::Image<std::uint8_t, 1> image(65536, hmesh_test::sanitized ? 3 : 16);
         for (int y = 0; y < image.height(); ++y)
             for (int x = 0; x < image.width(); ++x) image.pixel(x, y)[0] = static_cast<std::uint8_t>(x / 300 + 2 * y);
