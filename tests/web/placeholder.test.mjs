@@ -372,13 +372,12 @@ test('hmesh placeholder changes nothing of a page but its images, whatever the p
       `<img^ alt="a > b 'c" src="./a.png?x=1#y">`, '<img^ src=" a.pn\ng\t"><img^ src="sub&#47;..&#x2F;&#97;.png"><img^ src="&#xE4;.png">',
       '<base href=" sub/\n"><img^ src="../a.png">', '<img src="&#1114112;.png#"><img src="&nope;">', '', '<', '<img', '<img src="a.png',
     ];
-    for (const [k, wanted] of pages.entries()) {
-      const name = join(folder, `${k}.html`);
-      await writeFile(name, wanted.replaceAll('^', ''), 'latin1');
-      const { code, stderr } = await run(folder, 'placeholder', `${k}.html`);
-      assert.deepEqual([code, stderr.split('\n').length], [0, 2], stderr);
-      assert.equal(await readFile(name, 'latin1'), wanted.replaceAll('^', added), wanted);
-    }
+    const files = pages.map((_, k) => `${k}.html`);
+    for (const [k, wanted] of pages.entries()) await writeFile(join(folder, files[k]), wanted.replaceAll('^', ''), 'latin1');
+    const all = await run(folder, 'placeholder', ...files);
+    assert.deepEqual([all.code, all.stderr.split('\n').length], [0, pages.length + 1], all.stderr);
+    for (const [k, wanted] of pages.entries())
+      assert.equal(await readFile(join(folder, files[k]), 'latin1'), wanted.replaceAll('^', added), wanted);
     // Images that cannot be read are named, and the others are filled in; the page keeps its mode, and a link stays one.
     await writeFile(join(folder, 'page.html'), '<img src=no.png><img src=cut.png><img src=none.png><img src=a.png>');
     await chmod(join(folder, 'page.html'), 0o640);
