@@ -127,7 +127,7 @@ class Pages {
   }
 
   // On a large screen, and on a phone's, upright and on its side.
-  async handle(page, url) {
+  async handleOnScreens(page, url) {
     await page.setViewportSize({ width: 1000, height: 750 });  // what has fewer pixels is drawn sooner
     await handle(page, url);
     await unfold(page, false);
@@ -153,7 +153,7 @@ class Pages {
       await page.goto(`${url}#${part || 'native'}`, patience);
       await page.waitForSelector(part === 'original' ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
       writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-      if (!part) await this.handle(page, url);
+      if (!part) await this.handleOnScreens(page, url);
     } else {
       const [, width, height] = /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
       await page.setViewportSize({ width: Number(width), height: Number(height) });
