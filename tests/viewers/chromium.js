@@ -109,7 +109,8 @@ async function touch(page) {
   if (await page.evaluate(() => window.visualViewport.scale) !== 1) throw new Error('the browser zooms the page');
 }
 
-// Pages whose faults are kept: what they say of errors, and what they ask the network for.
+// One page for all files, and one on a phone: to open a page takes a second. Their faults are kept: what they say of errors, and what
+// they ask the network for.
 class Pages {
   constructor(browser) {
     this.browser = browser;
@@ -127,10 +128,10 @@ class Pages {
   }
 
   // On a large screen, and on a phone's, upright and on its side.
-  async handleOnScreens(page, url) {
-    await page.setViewportSize({ width: 1000, height: 750 });  // what has fewer pixels is drawn sooner
-    await handle(page, url);
-    await unfold(page, false);
+  async handleOnScreens(url) {
+    await this.page.setViewportSize({ width: 1000, height: 750 });  // what has fewer pixels is drawn sooner
+    await handle(this.page, url);
+    await unfold(this.page, false);
     this.phone ??= await this.open({ hasTouch: true, isMobile: true, colorScheme: 'dark' });
     for (const [width, height] of [[390, 844], [844, 390]]) {
       await this.phone.goto('about:blank');
@@ -140,11 +141,10 @@ class Pages {
       await touch(this.phone);
       await unfold(this.phone, true);
     }
-    await this.phone.goto('about:blank');
   }
 
-  // All files on one page: to open one takes a second.
-  async show(page, file, screenshot) {
+  async show(file, screenshot) {
+    const page = this.page ??= await this.open();
     const [path, part] = file.split('#');
     const url = pathToFileURL(resolve(path)).href;
     await page.goto('about:blank');
@@ -153,7 +153,7 @@ class Pages {
       await page.goto(`${url}#${part || 'native'}`, patience);
       await page.waitForSelector(part === 'original' ? '#mesh[data-drawn$=" 1"]' : '#mesh[data-drawn]', patience);
       writeFileSync(screenshot, await page.locator('#mesh').screenshot(patience));
-      if (!part) await this.handleOnScreens(page, url);
+      if (!part) await this.handleOnScreens(url);
     } else {
       const [, width, height] = /viewBox="0 0 (\d+) (\d+)"/.exec(readFileSync(file, 'latin1').slice(0, 1000));
       await page.setViewportSize({ width: Number(width), height: Number(height) });
@@ -172,10 +172,10 @@ async function main([folder, ...words]) {
       '--force-color-profile=srgb'],
   });
   try {
-    const pages = new Pages(browser), page = await pages.open();
+    const pages = new Pages(browser);
     for (let n = 0; 3 * n < words.length; ++n) {
       const file = words[3 * n];
-      await pages.show(page, file, `${folder}/${n}.png`).catch((error) => { throw new Error(`${file}: ${error.message || error}`); });
+      await pages.show(file, `${folder}/${n}.png`).catch((error) => { throw new Error(`${file}: ${error.message || error}`); });
     }
   } finally {
     await browser.close();
