@@ -3,6 +3,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -333,18 +334,28 @@ TEST_CASE_TEMPLATE("the edge moments of a face sum to those of its pixels, each 
     CHECK(on_grid.ties > 100);
 }
 
-TEST_CASE("sums of columns are those of multiplied rows, up to tables of 2^28 pixels") {
+TEST_CASE("sums of columns are those of multiplied rows, exact below 2^53, up to tables of 2^28 pixels") {
+    const auto is_sum = [](double found, std::int64_t sum) {
+        const auto expected = static_cast<double>(sum);
+        return sum < (std::int64_t{1} << 53U) ? found == expected : found == doctest::Approx(expected).epsilon(1e-15);
+    };
+    const auto pairs = [](std::int64_t n) { return n * (n - 1) / 2; };
+    const auto squares = [](std::int64_t n) { return (n - 1) * n * (2 * n - 1) / 6; };
+    const auto powers = [&](std::int64_t width) {
+        return std::array<double, 4>{static_cast<double>(squares(width)), static_cast<double>(pairs(width)), 0,
+                                     static_cast<double>(width)};
+    };
     // Rows of one length, whose sums have closed forms: the widest table, the highest one, and an edge that begins far down.
-    const auto check = [](std::int64_t width, std::int64_t first, std::int64_t end) {
+    const auto check = [&](std::int64_t width, std::int64_t first, std::int64_t end) {
         hmesh::kit::detail::ColumnSums sums;
-        for (std::int64_t j = first; j < end; ++j) sums.add(width);
-        const std::int64_t pairs = width * (width - 1) / 2;
-        const auto rows_below = [](std::int64_t n) { return n * (n - 1) / 2; };
-        const auto squares_below = [](std::int64_t n) { return (n - 1) * n * (2 * n - 1) / 6; };
-        CHECK(sums.sum_x() == static_cast<double>((end - first) * pairs));
-        CHECK(sums.sum_xx() == doctest::Approx(static_cast<double>((end - first) * squares_below(width))).epsilon(1e-15));
-        CHECK(sums.sum_xy(end) == static_cast<double>((rows_below(end) - rows_below(first)) * pairs));
-        CHECK(sums.sum_yy(end) == static_cast<double>((squares_below(end) - squares_below(first)) * width));
+        for (std::int64_t j = first; j < end; ++j) sums.add(powers(width).data());
+        const auto by_row = sums.by_row(static_cast<double>(end)), by_square = sums.by_row_squared(static_cast<double>(end));
+        CHECK(is_sum(sums.x[3], (end - first) * width));
+        CHECK(is_sum(sums.x[1], (end - first) * pairs(width)));
+        CHECK(is_sum(sums.x[0], (end - first) * squares(width)));
+        CHECK(is_sum(by_row[3], (pairs(end) - pairs(first)) * width));
+        CHECK(is_sum(by_row[1], (pairs(end) - pairs(first)) * pairs(width)));
+        CHECK(is_sum(by_square[3], (squares(end) - squares(first)) * width));
     };
     check(65536, 0, 4096);
     check(4096, 0, 65536);
@@ -354,16 +365,51 @@ TEST_CASE("sums of columns are those of multiplied rows, up to tables of 2^28 pi
     // And of columns that differ, by definition.
     Random random(5);
     hmesh::kit::detail::ColumnSums sums;
-    std::int64_t x = 0, xx = 0, xy = 0, yy = 0;
+    std::int64_t count = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
     for (std::int64_t j = 40; j < 90; ++j) {
         const auto column = static_cast<std::int64_t>(random.below(300));
-        sums.add(column);
-        for (std::int64_t i = 0; i < column; ++i) x += i, xx += i * i, xy += i * j, yy += j * j;
+        sums.add(powers(column).data());
+        for (std::int64_t i = 0; i < column; ++i) ++count, x += i, y += j, xx += i * i, xy += i * j, yy += j * j;
     }
-    CHECK(sums.sum_x() == static_cast<double>(x));
-    CHECK(sums.sum_xx() == static_cast<double>(xx));
-    CHECK(sums.sum_xy(90) == static_cast<double>(xy));
-    CHECK(sums.sum_yy(90) == static_cast<double>(yy));
+    CHECK(sums.x[3] == static_cast<double>(count));
+    CHECK(sums.x[1] == static_cast<double>(x));
+    CHECK(sums.x[0] == static_cast<double>(xx));
+    CHECK(sums.by_row(90)[3] == static_cast<double>(y));
+    CHECK(sums.by_row(90)[1] == static_cast<double>(xy));
+    CHECK(sums.by_row_squared(90)[3] == static_cast<double>(yy));
+}
+
+TEST_CASE("the edge moments of 8-bit images are exact along edges of any number of rows, up to the brightest of 32-bit sums") {
+    for (const int width : {12, 4104}) {
+        for (const int height : {61, 62, 63, 124, 125, 190}) {
+            const auto image = hmesh_test::draw<std::uint8_t, 3>(width, height, [](int, int, int) { return 1; });
+            const MomentTable<3> table(image.view(), image.view().bounds());
+            REQUIRE(table.is_int32());
+            Moments<3> found;
+            const auto right = static_cast<double>(width), bottom = static_cast<double>(height);
+            edge_moments(table, {right, 0}, {right, bottom}, found);
+            const double n = right * bottom, of_x = n * (right - 1) / 2, of_y = n * (bottom - 1) / 2;
+            for (int c = 0; c < 3; ++c) {
+                CHECK(found.s[c] == 255 * n);
+                CHECK(found.sx[c] == 255 * of_x);
+                CHECK(found.sy[c] == 255 * of_y);
+            }
+            CHECK(found.s[3] == n);
+            CHECK(found.sx[3] == of_x);
+            CHECK(found.sy[3] == of_y);
+            CHECK(found.q[0] == n * (right - 1) * (2 * right - 1) / 6);
+            CHECK(found.q[1] == of_x * (bottom - 1) / 2);
+            CHECK(found.q[2] == n * (bottom - 1) * (2 * bottom - 1) / 6);
+            CHECK(found.q[3] == 3.0 * 255 * 255 * n);
+        }
+    }
+    const Image<std::uint8_t, 3> image = hmesh_test::noise<std::uint8_t, 3>(33, 300, 4);
+    Findings findings;
+    compare(image.view(), image.view().bounds(), random_mesh(33, 300, 2, 1, Positions::on_grid, 1), findings);
+    compare(image.view(), image.view().bounds(), random_mesh(33, 300, 2, 3, Positions::off_grid, 2), findings);
+    CHECK(findings.wrong_faces == 0);
+    CHECK(findings.wrong_pixels == 0);
+    CHECK(findings.wrong_sums == 0);
 }
 
 TEST_CASE("the edge moments of 8-bit images too wide for 32-bit sums are exact too") {

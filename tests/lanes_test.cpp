@@ -116,6 +116,11 @@ TEST_CASE_TEMPLATE("Lanes: set changes one lane, store writes what load reads, 3
         b.set(k, 0.25);
         CHECK(equal(b, [&](int i) { return i == k ? 0.25 : a[i]; }));
     }
+    const Lanes<n> others = Lanes<n>::all(0.25);
+    CHECK(equal(a.template with<0>(others), [&](int i) { return i == 0 ? 0.25 : a[i]; }));
+    CHECK(equal(a.template with<n / 2>(others), [&](int i) { return i == n / 2 ? 0.25 : a[i]; }));
+    CHECK(equal(a.template with<n - 1>(others), [&](int i) { return i == n - 1 ? 0.25 : a[i]; }));
+    for (int k = 0; k < n; ++k) CHECK(std::signbit(Lanes<n>::all(-0.0)[k]));
 }
 
 TEST_CASE_TEMPLATE("Lanes: extended keeps all lanes and has 0 above them", S, Size<1>, Size<2>, Size<4>, Size<8>, Size<12>,
@@ -171,6 +176,7 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
         }
         const IntLanes a = IntLanes::load(x + 1), b = IntLanes::load(y), sum = a + b, bytes = IntLanes::bytes(x[1]);
         const IntLanes product = product_of_halves(IntLanes::load(small), IntLanes::load(other));
+        const IntLanes common = a & b;
         const Lanes<4> doubles = a.doubles();
         std::int16_t lower[5], upper[5];  // loaded at odd places
         for (int i = 0; i < 5; ++i) lower[i] = static_cast<std::int16_t>(any()), upper[i] = static_cast<std::int16_t>(any());
@@ -188,6 +194,7 @@ TEST_CASE("IntLanes: every operation does to each lane what it does to an intege
             CHECK(sum[i] == wrapped(std::int64_t{x[i + 1]} + y[i]));
             CHECK(bytes[i] == static_cast<std::int32_t>(static_cast<std::uint32_t>(x[1]) >> (8 * i) & 255U));
             CHECK(product[i] == small[i] * std::int64_t{other[i]});
+            CHECK(common[i] == (x[i + 1] & y[i]));
             CHECK(doubles[i] == x[i + 1]);
             CHECK(IntLanes::all(y[0])[i] == y[0]);
             CHECK(IntLanes::zero()[i] == 0);

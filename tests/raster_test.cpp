@@ -99,7 +99,7 @@ TEST_CASE("first_row is exact on the 1/256 px grid up to 65536 px") {
     CHECK(first_row(65536) == 65536);
 }
 
-TEST_CASE("first_row never falls as y grows, off the grid too") {
+TEST_CASE("first_row never falls as y grows, off the grid too, and takes centres for on y that are 2^-33 px above it at most") {
     int falls = 0;
     for (const double center : {0.5, 1.5, 100.5, 4095.5, 65535.5}) {
         double y = center;
@@ -111,7 +111,13 @@ TEST_CASE("first_row never falls as y grows, off the grid too") {
             falls += first_row(y) < last;
             last = first_row(y);
         }
-        CHECK(last == static_cast<int>(center) + 1);
+        const double slack = std::ldexp(1.0, -33);
+        last = first_row(center);
+        for (const double above : {0.5, 0.75, 1.25, 2.0}) {
+            falls += first_row(center + above * slack) < last;
+            last = first_row(center + above * slack);
+            CHECK(last == static_cast<int>(center) + (above > 1 ? 1 : 0));
+        }
     }
     CHECK(falls == 0);
 }

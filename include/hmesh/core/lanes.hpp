@@ -87,6 +87,8 @@ HMESH_ALWAYS_INLINE void store_pair(const LaneBlock<2>::Type& numbers, std::int3
 
 }  // namespace detail
 
+struct IntLanes;
+
 /// The number of lanes that holds n values: 1, 2 or the next multiple of 4.
 constexpr int lanes_for(int n) { return n <= 2 ? n : (n + 3) / 4 * 4; }
 
@@ -104,7 +106,7 @@ struct Lanes {
     /// The value in all lanes.
     [[nodiscard]] static HMESH_ALWAYS_INLINE Lanes all(double value) {
         Lanes r;
-        each([&](std::size_t k) { r.block[k] = Block{} + value; });
+        each([&](std::size_t k) { r.block[k] = value - Block{}; });  // and no sum, which would be computed: -0 + 0 is 0
         return r;
     }
     /// M <= N lanes, and 0 in those above them.
@@ -254,6 +256,22 @@ struct Lanes {
         each([&](std::size_t k) { r.block[k] *= b.block[k]; });
         return r;
     }
+    /// These lanes, but for one, which is that of others: no number leaves its register.
+    template <int lane>
+    [[nodiscard]] HMESH_ALWAYS_INLINE Lanes with(const Lanes& others) const {
+        Lanes r = *this;
+#if defined(__GNUC__)
+        if constexpr (width > 1) {
+            constexpr int k = lane / width;
+            decltype(Block{} < Block{}) is_other{};
+            is_other[lane % width] = -1;
+            r.block[k] = is_other ? others.block[k] : block[k];
+            return r;
+        }
+#endif
+        r.set(lane, others[lane]);
+        return r;
+    }
     /// The negative of each lane.
     friend HMESH_ALWAYS_INLINE Lanes operator-(const Lanes& a) {
         Lanes r;
@@ -344,6 +362,7 @@ struct Lanes {
     }
 
   private:
+    friend struct IntLanes;
 #if defined(__GNUC__)
     /// Integers as doubles.
     template <class Ints>
@@ -377,11 +396,10 @@ template <int N>
 struct IntLanes {
 #if defined(HMESH_HAS_INT_REGISTERS)
     using Block = std::uint32_t __attribute__((vector_size(16)));  ///< the type of the register
-    /// Whether four integers cost what two doubles do: there is a register of integers, and none of four doubles.
-    static constexpr bool is_cheaper = Lanes<4>::blocks > 1;
+    static constexpr bool is_register = true;                      ///< whether all four are added at once
 #else
     using Block = std::array<std::uint32_t, 4>;  ///< four numbers
-    static constexpr bool is_cheaper = false;    ///< whether four integers cost what two doubles do
+    static constexpr bool is_register = false;   ///< whether all four are added at once
 #endif
     Block block;  ///< all lanes, as they are without a sign
 
@@ -454,6 +472,16 @@ struct IntLanes {
         IntLanes r = a;
         return r += b;
     }
+    /// The bits that are in both, lane by lane.
+    [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes operator&(const IntLanes& a, const IntLanes& b) {
+        IntLanes r = a;
+#if defined(HMESH_HAS_INT_REGISTERS)
+        r.block &= b.block;
+#else
+        for (std::size_t i = 0; i < 4; ++i) r.block[i] &= b.block[i];
+#endif
+        return r;
+    }
     /// Lane by lane the product of the lower halves and that of the upper ones, added: of integers of 16 bits with their signs.
     /// Of numbers from 0 to 2^15 - 1 it is the product.
     [[nodiscard]] friend HMESH_ALWAYS_INLINE IntLanes product_of_halves(const IntLanes& a, const IntLanes& b) {
@@ -492,6 +520,9 @@ struct IntLanes {
 #elif defined(HMESH_HAS_INT_REGISTERS) && !defined(__AVX__)
         const auto ints = reinterpret_cast<detail::FourInts>(block);
         r.block[0] = detail::converted_pair(ints, false), r.block[1] = detail::converted_pair(ints, true);
+#elif defined(HMESH_HAS_INT_REGISTERS)
+        using Ints = std::int32_t __attribute__((vector_size(16)));
+        r.block[0] = Lanes<4>::converted(reinterpret_cast<Ints>(block));
 #else
         for (int i = 0; i < 4; ++i) r.set(i, (*this)[i]);
 #endif

@@ -11,8 +11,8 @@
 /// Sums of 8-bit samples are 32-bit integers as long as they fit (rectangles up to about 4,000 px wide), and kept for every
 /// second x alone, with the samples of the pixel between, from which the other entries follow. All other sums are doubles, exact
 /// for 16-bit samples too. Cost: 16 bytes a pixel for 8-bit RGB, 32 with alpha, and about 2 ns a pixel to build; 64 and 128
-/// bytes, and 6 ns, for other samples. Entries of a column are contiguous down the rows, those of doubles of two columns,
-/// because walks run down edges: this keeps them in few cache lines and pages.
+/// bytes, and 6 ns, for other samples; 64 bytes a column. Entries of a column are contiguous down the rows, those of doubles of
+/// two columns, because walks run down edges: this keeps them in few cache lines and pages.
 ///
 /// With weights, each of these sums carries the weight w of its pixel (1 becomes w), and two more sums,
 ///
@@ -122,6 +122,8 @@ class MomentTable {
         if (weighted_) {
             x_moment_entries_.resize_raw(size / lanes);
             samples_.resize_raw(sample_count());
+        } else {
+            fill_columns();
         }
         for_each_chunk(parallel_for, static_cast<std::size_t>(height_), band, [&](std::size_t first, std::size_t last) {
             const int begin = static_cast<int>(first), end = static_cast<int>(last);
@@ -167,9 +169,8 @@ class MomentTable {
     [[nodiscard]] bool is_weighted() const noexcept { return weighted_; }  ///< whether pixels have weights
     /// The memory of the table in bytes.
     [[nodiscard]] std::size_t bytes() const noexcept {
-        if (int32_) return size_ * sizeof(std::int32_t);
-        if (!weighted_) return size_ * sizeof(double);
-        return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
+        if (weighted_) return (size_ + size_ / lanes) * sizeof(double) + sample_count() * sizeof(float);
+        return size_ * (int32_ ? sizeof(std::int32_t) : sizeof(double)) + columns_.size() * sizeof(Column);
     }
 
     /// The samples of pixel (x, y), 0 <= x < width, 0 <= y < height, whatever its weight; 0 in the lanes above them.
@@ -222,10 +223,10 @@ class MomentTable {
         if constexpr (has_bytes) return PixelLanes::bytes(pair[C]) * part;
         else return PixelLanes::load(pair + pixel_at) * part;
     }
-    /// The same of three channels, one a byte, the first in the lowest.
-    [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_beyond(const std::int32_t* pair, int x) noexcept {
+    /// The samples of the pixel after the pair that begins here: of three channels, one a byte, the first in the lowest.
+    [[nodiscard]] static HMESH_ALWAYS_INLINE std::int32_t bytes_after(const std::int32_t* pair) noexcept {
         static_assert(has_bytes, "pairs of three channels have bytes");
-        return pair[C] & -(x & 1);
+        return pair[C];
     }
     /// The entries as doubles; only if not is_int32().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* entries() const noexcept { return float64_entries_.data(); }
@@ -236,6 +237,14 @@ class MomentTable {
         const auto column = static_cast<unsigned>(x), row = static_cast<unsigned>(y);
         return column / strip * strip_size_ + std::size_t{row * strip + column % strip} * entry_size;
     }
+    /// What all entries (x, y) of one x share.
+    struct Column {
+        double powers[4];        ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
+        std::int32_t is_odd[4];  ///< -1 where x is odd, else 0
+        std::int32_t last[4];    ///< x - 1 where x is odd, else 0
+    };
+    /// Column 0 <= x <= width; only if not is_weighted().
+    [[nodiscard]] HMESH_ALWAYS_INLINE const Column& column(int x) const noexcept { return columns_[static_cast<unsigned>(x)]; }
     /// The sums of w i and w i^2 that belong to the entry at this offset; only if is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const double* x_moments(std::size_t offset) const noexcept {
         return x_moment_entries_.data() + offset / lanes;
@@ -276,6 +285,18 @@ class MomentTable {
         return (static_cast<std::size_t>(y) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(x)) * C;
     }
     [[nodiscard]] std::size_t sample_count() const noexcept { return sample_offset(0, height_); }
+
+    HMESH_COLD void fill_columns() {
+        columns_.resize_raw(static_cast<std::size_t>(width_) + 1);
+        double squares = 0, sum = 0;
+        for (int x = 0; x <= width_; ++x) {
+            const std::int32_t is_odd = -(x & 1), last = is_odd & (x - 1);
+            columns_[static_cast<unsigned>(x)] = {
+                {squares, sum, 0, static_cast<double>(x)}, {is_odd, is_odd, is_odd, is_odd}, {last, last, last, last}};
+            squares += static_cast<double>(x) * x;
+            sum += x;
+        }
+    }
 
     /// From entry (x, y) to entry (x + 1, y).
     [[nodiscard]] std::size_t step_after(int x) const noexcept {
@@ -418,6 +439,7 @@ class MomentTable {
     std::size_t size_ = 0;
     Array<std::int32_t> int32_entries_;
     Array<double> float64_entries_;
+    Array<Column> columns_;           ///< of other than weighted tables
     Array<double> x_moment_entries_;  ///< of weighted tables: w i, w i^2
     FarSides far_sides_;
     Array<float> samples_;  ///< of weighted tables: I_0 .. I_{C-1}, row after row

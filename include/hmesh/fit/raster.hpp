@@ -21,32 +21,32 @@
 
 namespace hmesh::kit {
 
+/// Centres that are so much left of an edge, or above a row's first point, are taken to be on it, px.
+inline constexpr double center_slack = 1.0 / 8589934592.0;  // 2^-33
+
 /// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
-/// first_row(b.y)).
-[[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept {
-    // ceil(y - 1/2) without a library call: y + 1/2 truncated, less 1 where y is exactly on a centre.
-    const double shifted = y + 0.5;
-    const int row = truncated(shifted);
-    return row - (static_cast<double>(row) == shifted ? 1 : 0);
-}
+/// first_row(b.y)). The slack makes ceil(y - 1/2) one truncation; on the 1/256 px grid it moves no centre.
+[[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) noexcept { return truncated(y + (0.5 - center_slack)); }
 
 /// An edge from a down to b, a.y < b.y, as one column a row: column(j) is the first pixel of row j whose centre is not left of
 /// the edge.
 ///
-/// A slack of 2^-33 px keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for
-/// coordinates below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of
-/// d rows is a multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
+/// The slack keeps centres that lie on the edge to its right in spite of rounding (errors stay below 2^-35 px for coordinates
+/// below 2^16) and moves no other centre: on the 1/256 px grid the distance along a row from a centre to an edge of d rows is a
+/// multiple of 2^-8 / (2^8 d) px, at least 2^-32 px for the longest edge.
 class EdgeWalker {
   public:
     /// The edge from a down to b, a.y < b.y.
     HMESH_ALWAYS_INLINE EdgeWalker(Point a, Point b) noexcept
-        : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - 1.0 / 8589934592.0)) {}
+        : slope_((b.x - a.x) / (b.y - a.y)), start_y_(a.y - 0.5), start_x_(a.x + (0.5 - center_slack)) {}
     /// The first pixel of row j whose centre is not left of the edge, first_row(a.y) <= j < first_row(b.y).
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
     /// The same with j as a double.
-    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept {
-        return truncated(start_x_ + (j - start_y_) * slope_);
-    }
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept { return column_below(j - start_y_); }
+    /// How far the centres of row j are below a, in px; exact.
+    [[nodiscard]] HMESH_ALWAYS_INLINE double below(int j) const noexcept { return j - start_y_; }
+    /// column() of the row whose centres are so far below a.
+    [[nodiscard]] HMESH_ALWAYS_INLINE int column_below(double px) const noexcept { return truncated(start_x_ + px * slope_); }
 
   private:
     double slope_, start_y_, start_x_;
