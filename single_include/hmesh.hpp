@@ -8116,9 +8116,9 @@ class MomentTable {
     }
     /// What all entries (x, y) of one x share.
     struct Column {
-        double powers[4];        ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
-        std::int32_t is_odd[4];  ///< -1 where x is odd, else 0
-        std::int32_t last[4];    ///< x - 1 where x is odd, else 0
+        Lanes<4> powers;  ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
+        IntLanes is_odd,  ///< -1 in all lanes where x is odd, else 0
+            last;         ///< x - 1 in all lanes where x is odd, else 0
     };
     /// Column 0 <= x <= width; only if not is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const Column& column(int x) const noexcept { return columns_[static_cast<unsigned>(x)]; }
@@ -8165,13 +8165,13 @@ class MomentTable {
 
     HMESH_COLD void fill_columns() {
         columns_.resize_raw(static_cast<std::size_t>(width_) + 1);
-        double squares = 0, sum = 0;
+        double powers[4] = {};
         for (int x = 0; x <= width_; ++x) {
-            const std::int32_t is_odd = -(x & 1), last = is_odd & (x - 1);
-            columns_[static_cast<unsigned>(x)] = {
-                {squares, sum, 0, static_cast<double>(x)}, {is_odd, is_odd, is_odd, is_odd}, {last, last, last, last}};
-            squares += static_cast<double>(x) * x;
-            sum += x;
+            const std::int32_t is_odd = -(x & 1);
+            columns_[static_cast<unsigned>(x)] = {Lanes<4>::load(powers), IntLanes::all(is_odd), IntLanes::all(is_odd & (x - 1))};
+            powers[0] += static_cast<double>(x) * x;
+            powers[1] += x;
+            powers[3] += 1;
         }
     }
 
@@ -8849,8 +8849,8 @@ struct ColumnSums {
     Lanes<4> x = Lanes<4>::zero(), x_d = x, x_dd = x;  ///< of a table's sums, sums of these, and sums of those
 
     /// Adds the next row.
-    HMESH_ALWAYS_INLINE void add(const double* powers) noexcept {
-        x += Lanes<4>::load(powers);
+    HMESH_ALWAYS_INLINE void add(const Lanes<4>& powers) noexcept {
+        x += powers;
         x_d += x;
         x_dd += x_d;
     }
@@ -8927,9 +8927,9 @@ struct PairSums<3, true> {
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
         const Table::Column& column = table.column(i);
-        const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & IntLanes::load(column.is_odd);
+        const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & column.is_odd;
         sum_ += IntLanes::load(pair) + last;
-        by_column_ += (IntLanes::load(pair + Table::lanes) + product_of_halves(next, IntLanes::load(column.last))).doubles();
+        by_column_ += (IntLanes::load(pair + Table::lanes) + product_of_halves(next, column.last)).doubles();
         last_squares_ += product_of_halves(last, last);
         sum_of_sums_ += sum_;
     }
@@ -8954,15 +8954,11 @@ HMESH_ALWAYS_INLINE void set_one(typename Moments<C>::Channels& sums, const Lane
     else sums.set(C, others[3]);
 }
 
-/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
-/// table without weights, of which SampleSums (one of those above) reads the entries.
+/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last), one at least, that it
+/// crosses, over a table without weights, of which SampleSums (one of those above) reads the entries.
 template <class SampleSums, int C>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    if (first >= last) {
-        m = Moments<C>::zero() * sign;
-        return;
-    }
     const EdgeWalker crossing(a, b);
     double y = first, below = crossing.below(first);
     Channels signs = Channels::all(sign);
@@ -9000,22 +8996,20 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     using Channels = typename Moments<C>::Channels;
     Channels s = Channels::zero(), sx = s, sy = s;
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
-    if (first < last) {
-        const EdgeWalker crossing(a, b);
-        const double* const entries = table.entries();
-        for (int j = first; j < last; ++j) {
-            const std::size_t at = table.offset(crossing.column(j), j);
-            const double* powers = table.x_moments(at);
-            const double y = j;
-            const Channels low = Channels::load(entries + at);
-            s += low;
-            sx += Channels::load(entries + at + MomentTable<C>::lanes);
-            sy += low * y;
-            x1 += powers[0];
-            x2 += powers[1];
-            xy += powers[0] * y;
-            yy += y * y * low[C];
-        }
+    const EdgeWalker crossing(a, b);
+    const double* const entries = table.entries();
+    for (int j = first; j < last; ++j) {
+        const std::size_t at = table.offset(crossing.column(j), j);
+        const double* powers = table.x_moments(at);
+        const double y = j;
+        const Channels low = Channels::load(entries + at);
+        s += low;
+        sx += Channels::load(entries + at + MomentTable<C>::lanes);
+        sy += low * y;
+        x1 += powers[0];
+        x2 += powers[1];
+        xy += powers[0] * y;
+        yy += y * y * low[C];
     }
     const double squares = sx[C];
     sx.set(C, x1);
@@ -9039,7 +9033,8 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, dou
         a.x += beyond, b.x += beyond;
         first = sides.first_row(a.y), last = sides.first_row(b.y);
     }
-    if (table.is_int32()) walk<PairSums<C>>(table, a, b, first, last, sign, m);
+    if (first >= last) m = Moments<C>::zero() * sign;
+    else if (table.is_int32()) walk<PairSums<C>>(table, a, b, first, last, sign, m);
     else if (!table.is_weighted()) walk<EntrySums<C>>(table, a, b, first, last, sign, m);
     else weighted_walk(table, a, b, first, last, sign, m);
 }

@@ -3,7 +3,6 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -342,13 +341,14 @@ TEST_CASE("sums of columns are those of multiplied rows, exact below 2^53, up to
     const auto pairs = [](std::int64_t n) { return n * (n - 1) / 2; };
     const auto squares = [](std::int64_t n) { return (n - 1) * n * (2 * n - 1) / 6; };
     const auto powers = [&](std::int64_t width) {
-        return std::array<double, 4>{static_cast<double>(squares(width)), static_cast<double>(pairs(width)), 0,
-                                     static_cast<double>(width)};
+        const double sums[] = {static_cast<double>(squares(width)), static_cast<double>(pairs(width)), 0,
+                               static_cast<double>(width)};
+        return hmesh::kit::Lanes<4>::load(sums);
     };
     // Rows of one length, whose sums have closed forms: the widest table, the highest one, and an edge that begins far down.
     const auto check = [&](std::int64_t width, std::int64_t first, std::int64_t end) {
         hmesh::kit::detail::ColumnSums sums;
-        for (std::int64_t j = first; j < end; ++j) sums.add(powers(width).data());
+        for (std::int64_t j = first; j < end; ++j) sums.add(powers(width));
         const auto by_row = sums.by_row(static_cast<double>(end)), by_square = sums.by_row_squared(static_cast<double>(end));
         CHECK(is_sum(sums.x[3], (end - first) * width));
         CHECK(is_sum(sums.x[1], (end - first) * pairs(width)));
@@ -368,7 +368,7 @@ TEST_CASE("sums of columns are those of multiplied rows, exact below 2^53, up to
     std::int64_t count = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
     for (std::int64_t j = 40; j < 90; ++j) {
         const auto column = static_cast<std::int64_t>(random.below(300));
-        sums.add(powers(column).data());
+        sums.add(powers(column));
         for (std::int64_t i = 0; i < column; ++i) ++count, x += i, y += j, xx += i * i, xy += i * j, yy += j * j;
     }
     CHECK(sums.x[3] == static_cast<double>(count));

@@ -77,8 +77,8 @@ struct ColumnSums {
     Lanes<4> x = Lanes<4>::zero(), x_d = x, x_dd = x;  ///< of a table's sums, sums of these, and sums of those
 
     /// Adds the next row.
-    HMESH_ALWAYS_INLINE void add(const double* powers) noexcept {
-        x += Lanes<4>::load(powers);
+    HMESH_ALWAYS_INLINE void add(const Lanes<4>& powers) noexcept {
+        x += powers;
         x_d += x;
         x_dd += x_d;
     }
@@ -155,9 +155,9 @@ struct PairSums<3, true> {
     HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
         const std::int32_t* const pair = table.pair(i, j);
         const Table::Column& column = table.column(i);
-        const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & IntLanes::load(column.is_odd);
+        const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & column.is_odd;
         sum_ += IntLanes::load(pair) + last;
-        by_column_ += (IntLanes::load(pair + Table::lanes) + product_of_halves(next, IntLanes::load(column.last))).doubles();
+        by_column_ += (IntLanes::load(pair + Table::lanes) + product_of_halves(next, column.last)).doubles();
         last_squares_ += product_of_halves(last, last);
         sum_of_sums_ += sum_;
     }
@@ -182,15 +182,11 @@ HMESH_ALWAYS_INLINE void set_one(typename Moments<C>::Channels& sums, const Lane
     else sums.set(C, others[3]);
 }
 
-/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last) that it crosses, over a
-/// table without weights, of which SampleSums (one of those above) reads the entries.
+/// `sign` times the moments of the pixels left of the edge from a down to b in the rows [first, last), one at least, that it
+/// crosses, over a table without weights, of which SampleSums (one of those above) reads the entries.
 template <class SampleSums, int C>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
-    if (first >= last) {
-        m = Moments<C>::zero() * sign;
-        return;
-    }
     const EdgeWalker crossing(a, b);
     double y = first, below = crossing.below(first);
     Channels signs = Channels::all(sign);
@@ -228,22 +224,20 @@ HMESH_NEVER_INLINE void weighted_walk(const MomentTable<C>& table, Point a, Poin
     using Channels = typename Moments<C>::Channels;
     Channels s = Channels::zero(), sx = s, sy = s;
     double x1 = 0, x2 = 0, xy = 0, yy = 0;
-    if (first < last) {
-        const EdgeWalker crossing(a, b);
-        const double* const entries = table.entries();
-        for (int j = first; j < last; ++j) {
-            const std::size_t at = table.offset(crossing.column(j), j);
-            const double* powers = table.x_moments(at);
-            const double y = j;
-            const Channels low = Channels::load(entries + at);
-            s += low;
-            sx += Channels::load(entries + at + MomentTable<C>::lanes);
-            sy += low * y;
-            x1 += powers[0];
-            x2 += powers[1];
-            xy += powers[0] * y;
-            yy += y * y * low[C];
-        }
+    const EdgeWalker crossing(a, b);
+    const double* const entries = table.entries();
+    for (int j = first; j < last; ++j) {
+        const std::size_t at = table.offset(crossing.column(j), j);
+        const double* powers = table.x_moments(at);
+        const double y = j;
+        const Channels low = Channels::load(entries + at);
+        s += low;
+        sx += Channels::load(entries + at + MomentTable<C>::lanes);
+        sy += low * y;
+        x1 += powers[0];
+        x2 += powers[1];
+        xy += powers[0] * y;
+        yy += y * y * low[C];
     }
     const double squares = sx[C];
     sx.set(C, x1);
@@ -267,7 +261,8 @@ HMESH_NEVER_INLINE void edge_moments(const MomentTable<C>& table, double ax, dou
         a.x += beyond, b.x += beyond;
         first = sides.first_row(a.y), last = sides.first_row(b.y);
     }
-    if (table.is_int32()) walk<PairSums<C>>(table, a, b, first, last, sign, m);
+    if (first >= last) m = Moments<C>::zero() * sign;
+    else if (table.is_int32()) walk<PairSums<C>>(table, a, b, first, last, sign, m);
     else if (!table.is_weighted()) walk<EntrySums<C>>(table, a, b, first, last, sign, m);
     else weighted_walk(table, a, b, first, last, sign, m);
 }

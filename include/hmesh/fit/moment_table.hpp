@@ -239,9 +239,9 @@ class MomentTable {
     }
     /// What all entries (x, y) of one x share.
     struct Column {
-        double powers[4];        ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
-        std::int32_t is_odd[4];  ///< -1 where x is odd, else 0
-        std::int32_t last[4];    ///< x - 1 where x is odd, else 0
+        Lanes<4> powers;  ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
+        IntLanes is_odd,  ///< -1 in all lanes where x is odd, else 0
+            last;         ///< x - 1 in all lanes where x is odd, else 0
     };
     /// Column 0 <= x <= width; only if not is_weighted().
     [[nodiscard]] HMESH_ALWAYS_INLINE const Column& column(int x) const noexcept { return columns_[static_cast<unsigned>(x)]; }
@@ -288,13 +288,13 @@ class MomentTable {
 
     HMESH_COLD void fill_columns() {
         columns_.resize_raw(static_cast<std::size_t>(width_) + 1);
-        double squares = 0, sum = 0;
+        double powers[4] = {};
         for (int x = 0; x <= width_; ++x) {
-            const std::int32_t is_odd = -(x & 1), last = is_odd & (x - 1);
-            columns_[static_cast<unsigned>(x)] = {
-                {squares, sum, 0, static_cast<double>(x)}, {is_odd, is_odd, is_odd, is_odd}, {last, last, last, last}};
-            squares += static_cast<double>(x) * x;
-            sum += x;
+            const std::int32_t is_odd = -(x & 1);
+            columns_[static_cast<unsigned>(x)] = {Lanes<4>::load(powers), IntLanes::all(is_odd), IntLanes::all(is_odd & (x - 1))};
+            powers[0] += static_cast<double>(x) * x;
+            powers[1] += x;
+            powers[3] += 1;
         }
     }
 
