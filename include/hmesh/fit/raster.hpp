@@ -21,7 +21,7 @@
 
 namespace hmesh::kit {
 
-/// Centres that are so much left of an edge, or above a row's first point, are taken to be on it, px.
+/// Centres that are so much left of an edge, or above its upper end, are taken to be on it, px.
 inline constexpr double center_slack = 1.0 / 8589934592.0;  // 2^-33
 
 /// The first row whose centre is not above y, y >= 0. An edge from a down to b crosses the rows [first_row(a.y),
