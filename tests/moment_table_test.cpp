@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include "hmesh/core/random.hpp"
@@ -32,6 +33,11 @@ struct Signed {
     std::int8_t value = 0;
 };
 
+// And one of integers from -1000 to 0.
+struct Depth {
+    std::int16_t value = 0;
+};
+
 }  // namespace
 
 template <>
@@ -42,6 +48,12 @@ struct hmesh::PixelTraits<Signed> {
     static Signed from_real(double value) noexcept {
         return {static_cast<std::int8_t>(std::lround(value < lowest ? lowest : value > highest ? highest : value))};
     }
+};
+template <>
+struct hmesh::PixelTraits<Depth> {
+    static constexpr double lowest = -1000, highest = 0;
+    static constexpr bool is_integer = true;
+    static double to_real(Depth sample) noexcept { return sample.value; }
 };
 
 namespace {
@@ -175,6 +187,29 @@ TEST_CASE("MomentTable sums negative samples of a user's type exactly") {
     CHECK_FALSE(MomentTable<3>(Image<Signed, 3>(8, 8).view(), {0, 0, 8, 8}).is_int32());  // no bytes
 }
 
+TEST_CASE("MomentTable: a sample is as large as its distance from 0, above or below, in sums that 32 bits hold or not") {
+    // 1000 w (w - 1) / 2 < 2^31 up to 2072 px.
+    for (const int width : {2072, 2073}) {
+        Image<Depth, 1> image(width, 2);
+        hmesh_test::for_each_sample(image, [](Depth& sample) { sample.value = -1000; });
+        const MomentTable<1> table(image.view(), image.view().bounds());
+        CHECK(table.is_int32() == (width == 2072));
+        CHECK(mistakes(table, image.view(), image.view().bounds()) == 0);
+    }
+}
+
+TEST_CASE("MomentTable: sums of samples that 16 bits with a sign do not hold are doubles, however few") {
+    for (const int most : {32767, 32768, 46340}) {
+        const auto read = [&](int, int, int count, auto* to) {
+            for (int i = 0; i < count; ++i) to[i] = static_cast<std::remove_reference_t<decltype(*to)>>(most);
+        };
+        const MomentTable<1> table({0, 0, 1, 2}, {read, read, {}}, {static_cast<double>(most), false, false});
+        CHECK(table.is_int32() == (most == 32767));
+        CHECK(table.entry(1, 1).of_samples[0] == most);
+        CHECK(table.entry(1, 1).by_column[1] == static_cast<double>(most) * most);
+    }
+}
+
 TEST_CASE("MomentTable: 8-bit sums stay in 32 bits as long as the brightest image fits, and are exact on both sides of it") {
     const auto is_int32 = [](const auto& image) {
         const auto view = image.view();
@@ -281,6 +316,13 @@ TEST_CASE_TEMPLATE("a weighted MomentTable holds the weighted prefix sums of eac
             const MomentTable<n> part(image.view(), weights.view(), 0.5, rect);
             CHECK(weighted_mistakes(part, image.view(), weights.view(), 0.5, rect) == 0);
         }
+}
+
+TEST_CASE("a weighted MomentTable has the sums of the widest rows too") {
+    const Image<std::uint8_t, 1> image = hmesh_test::noise<std::uint8_t, 1>(65536, 1, 1);
+    const Image<float, 1> weights = hmesh_test::random_weights(65536, 1, 2);
+    const Rect row = image.view().bounds();
+    CHECK(weighted_mistakes(MomentTable<1>(image.view(), weights.view(), 1, row), image.view(), weights.view(), 1, row) == 0);
 }
 
 TEST_CASE_TEMPLATE("a MomentTable with weights that have no data is the table without weights", K, Kind<std::uint8_t, 3>,
