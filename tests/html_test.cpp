@@ -196,6 +196,35 @@ TEST_CASE("the page knows how to turn the original, and takes 1 to 8 for it") {
     for (const int wrong : {-1, 0, 9}) {
         options.original_orientation = wrong;
         check_refused(two_faces(3).view(), hmesh::Errc::invalid_argument, options);
+        const hmesh::Status status = hmesh::write_html(
+            two_faces(3).view(), [](const void*, std::size_t) { return true; }, options);
+        CHECK(status.value == wrong);
+        CHECK(status.limit == (wrong < 1 ? 1 : 8));
+    }
+}
+
+TEST_CASE("an original of no bytes is none, and where there is none nobody asks for its media type") {
+    const unsigned char byte = 0;
+    HtmlOptions options;
+    options.original = &byte;
+    CHECK(written(two_faces(3).view(), options) == written(two_faces(3).view()));
+    options.original = nullptr;
+    options.original_type = nullptr;
+    CHECK(written(two_faces(3).view(), options) == written(two_faces(3).view()));
+}
+
+TEST_CASE("media types have small and capital letters, digits and a few signs") {
+    const unsigned char byte = 0;
+    HtmlOptions options;
+    options.original = &byte;
+    options.original_size = 1;
+    for (const char* type : {"IMAGE/PNG", "image/AZaz09+-.", "a"}) {
+        options.original_type = type;
+        CHECK(between(written(two_faces(3).view(), options), "src=\"data:", ";base64,AA==\"") == type);
+    }
+    for (const char* type : {"image/png ", "image/[", "image/`", "image/@", "image/:", "image/,", "image/\xc3\xa4"}) {
+        options.original_type = type;
+        check_refused(two_faces(3).view(), hmesh::Errc::invalid_argument, options);
     }
 }
 

@@ -13,6 +13,7 @@
 #include "hmesh/solve/eigen.hpp"
 #include "jittered_mesh.hpp"
 #include "test_colors.hpp"
+#include "test_images.hpp"
 
 using Eigen::MatrixXd;
 using hmesh::kit::optimal_colors;
@@ -85,21 +86,27 @@ TEST_CASE("vertices without pixels keep their colour") {
     CHECK(s.mesh.energy() > 0);
 }
 
-TEST_CASE("optimal colours stay within the mesh's bounds") {
-    // One white pixel, black ones around: the corner, whose weight is 0.2 there, would have to be about 1275.
-    hmesh::Image<std::uint8_t, 1> image(16, 16);
-    image.pixel(0, 0)[0] = 255;
-    Sample<std::uint8_t, 1> s(std::move(image));
-    REQUIRE(
-        s.mesh.assign({{0, 0}, {1.25, 0}, {16, 0}, {16, 16}, {0, 16}, {0, 1.25}}, {{0, 1, 5}, {1, 2, 3}, {1, 3, 5}, {5, 3, 4}}));
-    optimal_colors(s.mesh);
-    double highest = 0;
-    for (const hmesh::kit::Vertex v : s.mesh.topology().vertices()) {
-        CHECK(s.mesh.color(v)[0] >= s.mesh.color_low());
-        highest = std::max(highest, s.mesh.color(v)[0]);
+TEST_CASE("optimal colours stay within the mesh's bounds, above and below") {
+    // One pixel, white among black ones or black among white ones: the corner, whose weight is 0.2 there, would have to be about
+    // 1275 beyond the others.
+    for (const bool is_white : {true, false}) {
+        CAPTURE(is_white);
+        auto image = hmesh_test::constant_image<std::uint8_t, 1>(16, 16, is_white ? 0 : 1);
+        image.pixel(0, 0)[0] = is_white ? 255 : 0;
+        Sample<std::uint8_t, 1> s(std::move(image));
+        REQUIRE(s.mesh.assign({{0, 0}, {1.25, 0}, {16, 0}, {16, 16}, {0, 16}, {0, 1.25}},
+                              {{0, 1, 5}, {1, 2, 3}, {1, 3, 5}, {5, 3, 4}}));
+        optimal_colors(s.mesh);
+        double highest = -1e9, lowest = 1e9;
+        for (const hmesh::kit::Vertex v : s.mesh.topology().vertices()) {
+            highest = std::max(highest, s.mesh.color(v)[0]);
+            lowest = std::min(lowest, s.mesh.color(v)[0]);
+        }
+        CHECK(highest <= s.mesh.color_high());
+        CHECK(lowest >= s.mesh.color_low());
+        CHECK((is_white ? highest == s.mesh.color_high() : lowest == s.mesh.color_low()));
+        CHECK(s.mesh.check());
     }
-    CHECK(highest == s.mesh.color_high());
-    CHECK(s.mesh.check());
 }
 
 TEST_CASE("any executor gives the same colours to the bit") {

@@ -78,3 +78,24 @@ TEST_CASE("the system of tied colours is the sum over faces of what their corner
         CHECK(found == doctest::Approx(expected));
     }
 }
+
+TEST_CASE("tied colours are held to what they are, and one that has neither pixels nor ridge is left out of all steps") {
+    hmesh::kit::Array<CornerSums<1>> corners(6);
+    for (std::size_t k = 0; k < 3; ++k) corners[k].square = 2;
+    hmesh::kit::Array<Color<1>> colors(5, Color<1>::zero());
+    for (std::size_t row = 0; row < colors.size(); ++row) colors[row].set(0, 3.0 + static_cast<double>(row));
+    for (const double ridge : {0.0, 0.5}) {
+        // Unknown 0 is of no face, and those of the second face have no pixels.
+        const auto system = hmesh::kit::tied_color_system<1>({1, 2, 1, 3, 4, 3}, corners, {}, colors, ridge);
+        CHECK(system.ridge == ridge);
+        REQUIRE(system.anchor.size() == colors.size());
+        for (std::size_t row = 0; row < colors.size(); ++row) {
+            CAPTURE(row);
+            const double square = row == 1 ? 4 : row == 2 ? 2 : 0;
+            CHECK(system.anchor[row][0] == colors[row][0]);
+            CHECK(system.gram.starts[row] < system.gram.starts[row + 1]);  // a diagonal is stored, if it is 0, too
+            CHECK(system.gram.diagonal(row) == square);
+            CHECK(system.inverse[row] == (square + ridge > 0 ? 1 / (square + ridge) : 0));
+        }
+    }
+}
