@@ -48,6 +48,13 @@ TEST_CASE("a border runs clockwise on the screen from its upper left corner, and
 TEST_CASE("pixels that touch at a corner are joined there, also where that makes others touch") {
     CHECK(contours_of(mask_of({"#.", ".#"}), 0, true).area == 3);
     CHECK(contours_of(mask_of({".#", "#."}), 0, true).area == 3);
+    // What is filled touches another, in squares that were looked at before: to its upper left and to its upper right.
+    const Contours left = contours_of(mask_of({"#..", "..#", ".#."}), 0, true);
+    CHECK(left.area == 5);
+    CHECK(left.loops.size() == 1);
+    const Contours right = contours_of(mask_of({"..#", "#..", ".#."}), 0, true);
+    CHECK(right.area == 5);
+    CHECK(right.loops.size() == 1);
     CHECK(contours_of(mask_of({"#.#.", ".#.#", "#.#.", ".#.#"}), 0, true).loops.size() >= 1);
     CHECK(contours_of(mask_of({"#.#.", ".#.#", "#.#.", ".#.#"}), 0, false).loops.size() == 1);
 }

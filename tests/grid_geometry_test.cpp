@@ -77,6 +77,7 @@ TEST_CASE("the nearest point of the grid is within the box and good, and far out
     CHECK(nearest(10.4, 20.6, 100) == GridPoint{10, 21});
     CHECK(nearest(10.4, 20.6, 9) == GridPoint{9, 21});
     CHECK_FALSE(nearest(10.4, 20.6, 8));
+    CHECK(nearest(10.5, 20.5, 100) == GridPoint{10, 20});  // of four as near the first
     CHECK(nearest(-1.9, 51.9, 100) == GridPoint{0, 50});
     CHECK(nearest(101.9, -1.9, 100) == GridPoint{100, 0});
     for (const double out : {-2.0, 102.0, 1e300, -1e300, std::numeric_limits<double>::quiet_NaN()}) {

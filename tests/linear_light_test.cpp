@@ -236,18 +236,13 @@ TEST_CASE("at the result the finite differences of the true error vanish, or poi
     check_stationary(sprite, other);
 }
 
-TEST_CASE("the first step is that of a dense Gauss-Newton solve") {
+TEST_CASE("the first step is that of a dense Gauss-Newton solve, where a ridge counts as so many pixels of a vertex's colour") {
     // Well inside the range and near the optimum, so that nothing is cut off or halved.
     const auto image =
         hmesh_test::draw<float, 1>(24, 20, [](int x, int y, int) { return 0.4 + 0.01 * x + 0.2 * std::sin(0.3 * y); });
     const Mesh before = jittered(image, 4, 9);
-    Mesh mesh = before;
-    LinearLightOptions options;
-    options.iterations = 1;
-    options.ridge = 0;
-    REQUIRE(fit_linear_light(mesh, image.view(), options).iterations == 1);
-
     const std::vector<double> light = lights_of(before, 0);
+    const auto slope_at = [](double value) { return (encoded(value + 1e-6) - encoded(value - 1e-6)) / 2e-6; };
     const auto n = static_cast<Eigen::Index>(light.size());
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd rhs = Eigen::VectorXd::Zero(n);
@@ -255,14 +250,25 @@ TEST_CASE("the first step is that of a dense Gauss-Newton solve") {
         double value = 0;
         Eigen::VectorXd row = Eigen::VectorXd::Zero(n);
         for (std::size_t i = 0; i < 3; ++i) value += p.weight[i] * light[p.vertex[i]];
-        const double slope = (encoded(value + 1e-6) - encoded(value - 1e-6)) / 2e-6;
+        const double slope = slope_at(value);
         for (std::size_t i = 0; i < 3; ++i) row(static_cast<Eigen::Index>(p.vertex[i])) += slope * p.weight[i];
         matrix += row * row.transpose();
         rhs -= row * (encoded(value) - static_cast<double>(*image.pixel(p.x, p.y)));
     }
-    const Eigen::VectorXd step = matrix.ldlt().solve(rhs);
-    for (std::size_t v = 0; v < light.size(); ++v)
-        CHECK(lights_of(mesh, 0)[v] == doctest::Approx(light[v] + step(static_cast<Eigen::Index>(v))).epsilon(1e-5));
+    for (const double ridge : {0.0, 3.0}) {
+        CAPTURE(ridge);
+        Mesh mesh = before;
+        LinearLightOptions options;
+        options.iterations = 1;
+        options.ridge = ridge;
+        REQUIRE(fit_linear_light(mesh, image.view(), options).iterations == 1);
+        Eigen::MatrixXd held = matrix;
+        for (std::size_t v = 0; v < light.size(); ++v)
+            held(static_cast<Eigen::Index>(v), static_cast<Eigen::Index>(v)) += ridge * slope_at(light[v]) * slope_at(light[v]);
+        const Eigen::VectorXd step = held.ldlt().solve(rhs);
+        for (std::size_t v = 0; v < light.size(); ++v)
+            CHECK(lights_of(mesh, 0)[v] == doctest::Approx(light[v] + step(static_cast<Eigen::Index>(v))).epsilon(1e-5));
+    }
 }
 
 TEST_CASE("the error never rises against conversion, however coarse the grid") {

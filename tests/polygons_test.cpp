@@ -126,3 +126,22 @@ TEST_CASE("a side is free if it meets no other but at its ends, and does not run
     }
     CHECK(free > 100);
 }
+
+TEST_CASE("what a side was along is shared out, where it is farthest out, by the neighbours that meet beyond it") {
+    constexpr std::int32_t px = hmesh::kit::units_per_px;
+    // Of the ends of the second side the one that is farther from the line between the ends of its neighbours.
+    const Loop second = {{0, 20 * px}, {0, 8 * px}, {4 * px, 2 * px}, {20 * px, 0}, {20 * px, 20 * px}};
+    const Loop first = {{0, 20 * px}, {2 * px, 4 * px}, {8 * px, 0}, {20 * px, 0}, {20 * px, 20 * px}};
+    for (const bool is_second : {true, false}) {
+        const Loop& contour = is_second ? second : first;
+        Polygons polygons({contour}, 20, 20);
+        polygons.remove_side(1, is_second ? GridPoint{0, 640} : GridPoint{640, 0});
+        Loop before, behind;
+        polygons.along_contour(0, [&](GridPoint p) { before.push_back(p); });
+        polygons.along_contour(1, [&](GridPoint p) { behind.push_back(p); });
+        CHECK(before.size() == (is_second ? 3 : 2));
+        CHECK(before.back() == contour[is_second ? 2 : 1]);
+        CHECK(behind.size() == (is_second ? 2 : 3));
+        CHECK(behind.back() == contour[3]);
+    }
+}

@@ -107,6 +107,17 @@ TEST_CASE("the cheapest goes first: of notches the shallowest, of cut corners th
     CHECK(frame.double_area() == area + px2 * 19 / 2);
 }
 
+TEST_CASE("a corner in line with its neighbours goes for nothing, beside one that is not convex too") {
+    constexpr std::int32_t px = 256;
+    const hmesh::kit::Loop step = {{0, 10 * px}, {5 * px, 10 * px},  {10 * px, 10 * px}, {10 * px, 0},
+                                   {20 * px, 0}, {20 * px, 20 * px}, {0, 20 * px}};
+    Polygons polygons({step}, 20, 20);
+    const std::int64_t area = polygons.double_area();
+    hmesh::kit::remove_corners(polygons, step.size() - 1);
+    CHECK(polygons.corners() == step.size() - 1);
+    CHECK(polygons.double_area() == area);
+}
+
 TEST_CASE("corners that are removed leave all inside and no two sides that meet, and each time there is more area") {
     hmesh::kit::Random random(21);
     for (int round = 0; round < 40; ++round) {
