@@ -304,6 +304,25 @@ TEST_CASE("weights count each pixel as often as they say") {
     CHECK(error_of(image, plain) < 0.98 * error_of(image, mesh));
 }
 
+TEST_CASE("faces wider than the pixels that are read at once have the error of them all, with weights too") {
+    const auto image = contrasty<std::uint8_t, 2>(280, 70, 6);
+    auto weights = hmesh_test::random_weights(280, 70, 5);
+    // Multiples of the library's step.
+    hmesh_test::for_each_sample(weights, [](float& weight) { weight = std::floor(weight) / 64; });
+    *weights.pixel(0, 0) = 1;
+    for (const bool is_weighted : {false, true}) {
+        CAPTURE(is_weighted);
+        const Mesh before = jittered(image, 70, 6);
+        Mesh mesh = before;
+        LinearLightOptions options;
+        if (is_weighted) options.weights = weights.view();
+        const LinearLightReport report = fit_linear_light(mesh, image.view(), options);
+        const Image<float, 1>* const used = is_weighted ? &weights : nullptr;
+        CHECK(report.converted == doctest::Approx(error_of(image, before, used)).epsilon(1e-6));
+        CHECK(report.energy == doctest::Approx(error_of(image, mesh, used)).epsilon(1e-6));
+    }
+}
+
 TEST_CASE("channels count in the report as much as they are said to, and get the colours that they get without") {
     const auto image = contrasty<std::uint8_t, 3>(24, 24, 3);
     const Mesh before = jittered(image, 4, 3);

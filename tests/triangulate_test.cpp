@@ -55,6 +55,16 @@ TEST_CASE("holes in a row, islands in holes and holes in these are divided, in a
     CHECK(flaw_of(loops) == "");
 }
 
+TEST_CASE("a hole is not joined to the nearest corner where another hole is between them, in any order") {
+    // A notch from above ends beside a triangle, with a bar between them.
+    std::vector<Loop> loops = {{{0, 0}, {300, 0}, {310, 500}, {320, 0}, {1000, 0}, {1000, 1000}, {0, 1000}},
+                               turned({{200, 500}, {210, 520}, {202, 520}}),
+                               turned(box(250, 400, 255, 600))};
+    CHECK(flaw_of(loops) == "");
+    std::reverse(loops.begin(), loops.end());
+    CHECK(flaw_of(loops) == "");
+}
+
 TEST_CASE("corners in line, combs and spirals are divided") {
     CHECK(flaw_of({{{0, 0}, {1, 0}, {2, 0}, {3, 0}, {3, 3}, {1, 3}, {0, 3}, {0, 2}}}) == "");
     Loop comb = {{0, 100}, {0, 0}};
