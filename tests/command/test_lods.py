@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from conftest import is_png, is_whole, ply_header, read
+from conftest import as_others, is_png, is_whole, ply_header, read
 
 
 def ply_counts(name):
@@ -91,6 +91,17 @@ def test_lod_in_a_name_is_the_number_of_the_level(hmesh):
     assert is_whole("row/0.obj")
     hmesh.done("grey.pgm --rate 10 --lods 2 -o levels/{lod}.ply -q")
     assert is_whole("levels/0.ply") and is_whole("levels/1.ply")
+    hmesh.done("grey.pgm --rate 10 --lods 2 -o steps/{lod}/x.ply -q")
+    assert is_whole("steps/0/x.ply") and is_whole("steps/1/x.ply")
+
+
+def test_no_folder_is_made_of_a_name_that_stands_for_another(hmesh):
+    """Not even for a while: where nothing may be made, what is there is written into."""
+    Path("locked/picture").mkdir(parents=True)
+    Path("locked").chmod(0o555)
+    run = hmesh.run("../picture.png --vertices 50 --lods 2 -o {name}/{lod}.ply -q", cwd="locked", preexec_fn=as_others)
+    assert (run.returncode, run.stderr) == (0, "")
+    assert is_whole("locked/picture/0.ply") and is_whole("locked/picture/1.ply")
 
 
 def test_all_kinds_of_images_and_fits_have_levels(hmesh):

@@ -405,6 +405,7 @@ Arguments for_image(Arguments all, const std::string& input) {
     all.input = input;
     name_levels(all);
     const std::string name = image_name(input);
+    for (std::string& folder : all.folders) folder = expand(folder, name);
     all.weights = expand(all.weights, name);
     for (OtherMap& other : all.others) other.file = expand(other.file, name);
     for_each_output(all, [&](std::string& file) {
