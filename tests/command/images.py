@@ -66,7 +66,8 @@ def png_palette(colors):
 def tiff(pixels, bits, photometric, samples=3, more=(), order="<", size=SIZE, strip=None):
     tags = {256: (3, [size[0]]), 257: (3, [size[1]]), 258: (3, [bits] * samples), 259: (3, [1]), 262: (3, [photometric]),
             277: (3, [samples]), 278: (3, [size[1]]), 279: (4, [len(pixels) if strip is None else strip]), **dict(more)}
-    tags[273] = (4, [8])
+    sizes = tags[279][1]
+    tags[273] = (4, [8 + sum(sizes[:k]) for k in range(len(sizes))])
     place = 8 + len(pixels)
     place += place % 2
     table, after = b"", b""

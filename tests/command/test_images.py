@@ -1,5 +1,6 @@
 """Image files: which are read, as what, and what is said of those that are not whole."""
 import io
+import json
 import os
 import re
 import struct
@@ -211,6 +212,15 @@ def damaged_files():
         "mode.psd": ("its PSD colour mode is 9, and hmesh reads 1, 3 and 4", images.psd(mode=9)),
         "xyz.hdr": ("'32-bit_rle_xyze'", hdr), "nan.pfm": ("NaN", b"PF 2 2 -1\n" + struct.pack("<12f", *[float("nan")] * 12)),
         "unknown.heic": ("in no format that hmesh reads", b"\0\0\0\x18ftypheic" + bytes(40)),
+        "zero.pgm": ("no maximum from 1 to 65535", b"P5 2 2 0\n" + bytes(4)),
+        "deep.pgm": ("no maximum from 1 to 65535", b"P5 2 2 65536\n" + bytes(8)),
+        "tight.pgm": ("its PNM header does not end in white space", b"P5 2 2 255#" + bytes(4)),
+        "byte.pgm": (r"the file ends before its last pixel \(14 of 15 bytes\)", b"P5 2 2 255\nabc"),
+        "zero.pfm": ("no scale other than 0", b"Pf 2 2 0\n" + bytes(16)),
+        "unit.pfm": ("no scale other", b"Pf 2 2 1x\n" + bytes(16)),
+        "tight.pfm": ("its PFM header does not end in white space", b"Pf 2 2 -1." + b"0" * 40 + b"\n" + bytes(16)),
+        "some.pam": ("PNM file of the kind P7, of which", b"P7\nWIDTH 1\nHEIGHT 1\n"),
+        "two.tif": ("it has 2 samples a pixel, and its colours need 3", images.tiff(bytes(864), 8, 2, 2)),
         "text.ppm": ("it is a PNM file of the kind P3, of which hmesh reads P5, P6, Pf and PF", b"P3\n1 1\n255\n1 2 3\n"),
         "signed.tif": ("its samples have 16 bits and a sign", images.tiff(bytes(2592), 16, 2, more={339: (3, [2] * 3)}.items())),
         "long.tif": ("its samples have 32 bits", images.tiff(bytes(5184), 32, 2)),
@@ -316,7 +326,10 @@ def exif_of(kind, value):
     return struct.pack(">2sHIHHHI", b"MM", 42, 8, 1, 274, kind, 1) + value + bytes(4)
 
 
-@pytest.mark.parametrize("data", [images.exif(6), exif_of(3, b"\0\6\0\0"), exif_of(4, b"\0\0\0\6")])
+# The last one is the second tag of a table that does not follow its header.
+@pytest.mark.parametrize("data", [
+    images.exif(6), exif_of(3, b"\0\6\0\0"), exif_of(4, b"\0\0\0\6"),
+    struct.pack(">2sHIHHHHI4sHHIHHI", b"MM", 42, 10, 0, 2, 271, 2, 4, b"abc\0", 274, 3, 1, 6, 0, 0)])
 def test_an_orientation_is_a_number_of_16_or_32_bits(hmesh, data):
     Path("x.png").write_bytes(images.png(images.png_chunk(b"eXIf", data)))
     assert hmesh.report("x.png --vertices 4")["width"] == images.HEIGHT
@@ -364,3 +377,138 @@ def test_colors_of_a_psd_lie_over_white_where_it_has_transparency_and_no_selecti
     Path("x.psd").write_bytes(head + b"\0\0" + planes)
     hmesh.done("x.psd --vertices 4 --render r.png")
     assert Image.open("r.png").getpixel((0, 0))[::3] == (red, 128)  # the fourth channel is alpha all the same
+
+
+# ---- what a picture of one colour is drawn with ----
+def drawn(hmesh, name, options=""):
+    hmesh.done(f"{name} --vertices 4 --effort draft --render drawn.png {options}")
+    return Image.open("drawn.png").getpixel((0, 0))
+
+
+@pytest.mark.parametrize("head, sample, grey", [
+    (b"P5\r\n4 4\r\n255\r", b"\x4d", 77), (b"P5 4 # a comment\r4 255\n", b"\x4d", 77), (b"P5#\n4 4 255\n", b"\x4d", 77),
+    (b"P5 4 4 100\n", b"\x22", 87), (b"P5 4 4 100\n", b"\x64", 255), (b"P5 4 4 256\n", b"\1\0", 255),
+    (b"P5 4 4 512\n", b"\1\0", 128), (b"Pf 4 4 2.5\n", struct.pack(">f", 0.2), 51)])
+def test_a_sample_of_a_pnm_file_is_a_part_of_its_maximum_whatever_ends_the_lines_of_its_header(hmesh, head, sample, grey):
+    Path("x.pnm").write_bytes(head + sample * 16)
+    assert drawn(hmesh, "x.pnm") == grey
+
+
+def test_a_pfm_file_has_either_order_of_bytes(hmesh):
+    for name, order in [("little", "<"), ("big", ">")]:
+        Path(f"{name}.pfm").write_bytes(images.pfm(order))
+        hmesh.done(f"{name}.pfm --vertices 40 --effort draft -o {name}.ply")
+    assert Path("little.ply").read_bytes() == Path("big.ply").read_bytes()
+
+
+def test_a_radiance_file_may_begin_as_its_older_kind(hmesh):
+    Path("x.hdr").write_bytes(FILES["rgb.hdr"].replace(b"#?RADIANCE", b"#?RGBE"))
+    assert hmesh.report("x.hdr --vertices 4")["bits"] == 32
+
+
+@pytest.mark.parametrize("tags, photometric, pixel, color", [
+    ({339: (3, [4] * 3)}, 2, [10, 20, 30], (10, 20, 30)),  # nothing is said of the samples
+    ({338: (3, [0])}, 2, [10, 20, 30, 40], (10, 20, 30)),  # the fourth is no alpha
+    ({338: (3, [1])}, 2, [100, 50, 0, 128], (199, 100, 0, 128)),  # colours times alpha
+    ({338: (3, [1])}, 2, [200, 128, 0, 128], (255, 255, 0, 128)), ({338: (3, [1])}, 2, [10, 0, 0, 0], (10, 0, 0, 0)),
+    ({}, 0, [55], 200)])  # 0 is white
+@pytest.mark.parametrize("bits", [8, 16])
+def test_samples_of_a_tiff_file_mean_what_its_tags_say(hmesh, tags, photometric, pixel, color, bits):
+    skip_unless_read(hmesh, "x.tif")
+    samples = bytes(pixel) if bits == 8 else struct.pack(f"<{len(pixel)}H", *[257 * sample for sample in pixel])
+    Path("x.tif").write_bytes(images.tiff(samples * (images.WIDTH * images.HEIGHT), bits, photometric, len(pixel), tags.items()))
+    assert drawn(hmesh, "x.tif", "--report r.json") == color
+    assert json.loads(Path("r.json").read_text())["bits"] == bits
+
+
+def test_the_planes_of_a_tiff_file_may_lie_one_behind_the_other(hmesh):
+    skip_unless_read(hmesh, "x.tif")
+    planes = [plane.tobytes() for plane in images.picture().split()]
+    tags = {284: (3, [2]), 279: (4, [len(plane) for plane in planes])}
+    Path("x.tif").write_bytes(images.tiff(b"".join(planes), 8, 2, more=tags.items()))
+    Path("whole.tif").write_bytes(FILES["rgb.tif"])
+    for name, options in [("whole", ""), ("x", ""), ("x", "--out-of-core")]:
+        hmesh.done(f"{name}.tif --vertices 40 --effort draft -o {name}.ply {options}")
+        assert Path(f"{name}.ply").read_bytes() == Path("whole.ply").read_bytes()
+
+
+@pytest.mark.parametrize("order", ["<", ">"])
+def test_a_tiff_file_may_be_of_the_large_kind(hmesh, order):
+    skip_unless_read(hmesh, "x.tif")
+    tags = {256: 4, 257: 4, 258: 8, 259: 1, 262: 1, 273: 16, 277: 1, 278: 4, 279: 16}
+    table = b"".join(struct.pack(order + "HHQHHI", number, 3, 1, value, 0, 0) for number, value in tags.items())
+    head = struct.pack(order + "2sHHHQ", b"II" if order == "<" else b"MM", 43, 8, 0, 32) + bytes([77]) * 16
+    Path("x.tif").write_bytes(head + struct.pack(order + "Q", len(tags)) + table + bytes(8))
+    assert drawn(hmesh, "x.tif") == 77
+
+
+@pytest.mark.parametrize("options", ["", "--out-of-core -o x.ply"])
+def test_of_several_pages_of_a_tiff_file_the_first_is_taken_and_told(hmesh, options):
+    skip_unless_read(hmesh, "x.tif")
+    images.picture().save("x.tif", save_all=True, append_images=[Image.new("RGB", (9, 9))])
+    said = hmesh.done(f"x.tif --vertices 8 {options}")
+    assert f"{images.WIDTH} x {images.HEIGHT}" in said
+    assert re.search("^note +the file has more pages than one: its first", said, re.M)
+
+
+def test_a_tiff_file_that_is_turned_or_has_a_palette_is_not_read_by_rectangles(hmesh):
+    skip_unless_read(hmesh, "x.tif")
+    for name, why in [("turned", "it is turned"), ("palette", "it has palettes, bits or YCbCr")]:
+        put(f"{name}.tif")
+        hmesh.fails(why, f"{name}.tif --out-of-core -o x.ply")
+
+
+@pytest.mark.parametrize("index, color", [(0, (0, 1, 2, 128)), (2, (6, 7, 8, 255))])
+def test_a_palette_of_a_png_file_has_alpha_for_its_first_colors(hmesh, index, color):
+    line = bytes([0x55 * index] * (images.WIDTH // 4))
+    extra = [images.png_chunk(b"PLTE", bytes(range(9))), images.png_chunk(b"tRNS", b"\x80")]
+    Path("x.png").write_bytes(images.png(*extra, bits=2, kind=3, lines=[line] * images.HEIGHT))
+    assert drawn(hmesh, "x.png") == color
+
+
+def test_an_animated_png_is_told_as_one(hmesh):
+    Path("x.png").write_bytes(images.png(images.png_chunk(b"acTL", struct.pack(">II", 1, 0))))
+    assert re.search("^note +the file is animated: the picture for programs that show no", hmesh.done("x.png --vertices 8"), re.M)
+
+
+def test_a_png_file_of_one_color_is_as_small_as_it_can_be_and_read(hmesh):
+    Image.new("L", (2000, 1000), 9).save("x.png", compress_level=9)
+    assert Path("x.png").stat().st_size < 2000 * 1000 / 500
+    assert drawn(hmesh, "x.png") == 9
+
+
+@pytest.mark.parametrize("orientation", [0, 9])
+def test_an_orientation_that_there_is_not_is_upright(hmesh, orientation):
+    Path("x.png").write_bytes(images.png(images.png_chunk(b"eXIf", images.exif(orientation))))
+    assert hmesh.report("x.png --vertices 4")["width"] == images.WIDTH
+
+
+def test_exif_data_may_follow_others_of_the_same_marker(hmesh):
+    whole, other = FILES["exif.jpg"], b"http://ns.adobe.com/xap/1.0/\0<x/>"
+    at = whole.index(b"\xff\xe1")
+    Path("x.jpg").write_bytes(whole[:at] + b"\xff\xe1" + struct.pack(">H", 2 + len(other)) + other + whole[at:])
+    assert hmesh.report("x.jpg --vertices 4")["width"] == images.HEIGHT
+
+
+def test_exif_data_of_a_webp_file_may_begin_as_in_a_jpeg_file(hmesh):
+    skip_unless_read(hmesh, "x.webp")
+    if "exif.webp" not in FILES:
+        pytest.skip("Pillow does not write it here")
+    whole = FILES["exif.webp"]
+    at, (size,) = whole.index(b"EXIF"), struct.unpack_from("<I", whole, 4)
+    data, = struct.unpack_from("<I", whole, at + 4)
+    exif = struct.pack("<I", data + 6) + b"Exif\0\0" + whole[at + 8:]
+    Path("x.webp").write_bytes(whole[:4] + struct.pack("<I", size + 6) + whole[8:at + 4] + exif)
+    assert hmesh.report("x.webp --vertices 4")["width"] == images.HEIGHT
+
+
+def test_what_markers_say_that_is_no_pixel_is_passed_over(hmesh):
+    whole = FILES["rgb.jpg"]
+    assert whole[2:4] == b"\xff\xe0" and whole[6:12] == b"JFIF\0\1"
+    adobe = b"\xff\xee\0\x0eAdobe\0\x64\0\0\0\0\7"  # a transform that there is not
+    Path("plain.jpg").write_bytes(whole)
+    Path("version.jpg").write_bytes(whole[:11] + b"\2" + whole[12:])
+    Path("adobe.jpg").write_bytes(whole[:2] + adobe + whole[20:])
+    for name in ["plain", "version", "adobe"]:
+        hmesh.done(f"{name}.jpg --vertices 40 --effort draft -o {name}.ply")
+        assert Path(f"{name}.ply").read_bytes() == Path("plain.ply").read_bytes()
