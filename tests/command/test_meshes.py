@@ -99,6 +99,19 @@ def test_where_weights_are_large_the_mesh_is_closer(hmesh):
     assert off[1] < 0.7 * off[0]
 
 
+def test_weights_are_the_mean_of_colours_without_alpha(hmesh):
+    grey = Image.linear_gradient("L").resize((96, 64)).point(lambda sample: sample // 2 + 40)
+    darker, lighter = grey.point(lambda sample: sample - 40), grey.point(lambda sample: sample + 40)
+    noise = Image.effect_noise((96, 64), 80)
+    weights = {"L": [grey], "LA": [grey, noise], "RGB": [darker, lighter, grey], "RGBA": [lighter, darker, grey, noise]}
+    for mode, channels in weights.items():
+        Image.merge(mode, channels).save("weights.png")
+        hmesh.done(f"picture.png --vertices 80 --weights weights.png -o {mode}.ply")
+        assert read(f"{mode}.ply") == read("L.ply")
+    hmesh.done("picture.png --vertices 80 -o even.ply")
+    assert read("even.ply") != read("L.ply")
+
+
 @pytest.mark.parametrize("file", ["grey.pgm", "grey16.pgm", "color.ppm", "color16.ppm", "grey_alpha.tga", "rgba.tga"])
 def test_any_image_serves_as_weights(hmesh, file):
     report = hmesh.report(f"grey.pgm --weights {file}")
@@ -292,6 +305,12 @@ def test_a_wireframe_is_the_edges_and_nothing_else(hmesh, options):
             lit += far < 0.5
             assert wire.getpixel((x, y)) == 0 if far > 1.01 else far > 0.5 or wire.getpixel((x, y)) >= 0.5 * 0.6 * 255 - 1
     assert 200 < lit < 1000
+
+
+def test_an_edge_lets_the_picture_through(hmesh):
+    hmesh.done("constant.pgm --vertices 4 --wireframe wire.png")
+    seen = set(Image.open("wire.png").convert("L").getdata())
+    assert (min(seen), max(seen)) == (77, 77 + round(0.6 * (255 - 77)))
 
 
 def distance(x, y, a, b):
