@@ -168,6 +168,33 @@ def test_samples_become_those_of_the_widest_image(hmesh, images, channels, bits)
     assert sum(map(len, (a[0] for name, a in Glb("x.glb").attributes.items() if name != "POSITION"))) >= channels
 
 
+@pytest.mark.parametrize("files, names", [
+    ("rock.png, rock_rough.png", "color rough"), ("rocks.png, rock_rough.png", "rocks rock_rough"),
+    ("a/rock.png, b/rock.png", "color map"), ("rock-base.png, rock-rough.png", "base rough"),
+    ("rock.base.png, rock.rough.png", "base rough"), ("1_base.png, 1__rough_.png", "base rough"),
+    ("x_red.png, x_alpha.png", "red_map alpha_map"), ("x_a+b.png, x_c=d.png", "a_b c_d"),
+    ("rock base.png, rock rough.png", "base rough")])
+def test_maps_are_called_by_what_their_files_names_do_not_share(hmesh, files, names):
+    files = files.split(", ")
+    for file in files:
+        Path(file).parent.mkdir(exist_ok=True)
+        Path(file).write_bytes(read("picture.png"))
+    report = hmesh.report(f"'{files[0]}' --with './{files[1]}' --vertices 20 --effort draft -o x.ply")
+    assert [part["name"] for part in report["maps"]] == names.split()
+
+
+def test_a_folder_may_have_the_sign_between_a_name_and_a_file(maps):
+    Path("of=1").mkdir()
+    Path("of=1/rough.png").write_bytes(read("rock_rough.png"))
+    report = maps.report("rock_albedo.png --with ./of=1/rough.png --vertices 20 --effort draft -o x.ply")
+    assert report["maps"][1]["file"] == "./of=1/rough.png"
+
+
+def test_normals_may_be_called_so(maps):
+    maps.done("rock_albedo.png --with his_normals=rock_normal.png --vertices 20 --effort draft -o x.ply")
+    assert "property float nx" in ply_header("x.ply")
+
+
 def test_what_is_to_be_known_of_another_map_is_told(hmesh):
     color = Image.open("color.ppm")
     color.save("moving.gif", save_all=True, append_images=[Image.new("RGB", color.size)])
