@@ -42,7 +42,11 @@ def test_it_is_drawn_at_any_size_read_from_the_standard_input_and_one_of_several
     assert "a.hmc: 50 vertices, " in out and "picture.png: " in out
 
 
-@pytest.mark.parametrize("option", ["--vertices 9", "--effort draft", "--residual r.png", "--json", "--sprite", "--with grey.pgm"])
+@pytest.mark.parametrize("option", [
+    "--vertices 9", "--rate 1", "--psnr 30", "--max-vertices 9", "--good-enough 30", "--effort draft", "--method xie",
+    "--colors sampled", "--fit-space linear", "--periodic x", "--premultiplied", "--samples points", "--weights grey.pgm",
+    "--with grey.pgm", "--grid 8", "--seed 2", "--channel-weights 1,1,1", "--tile 64", "--lods 2", "--sprite", "--outline",
+    "--residual r.png", "--strip s.png", "--report r.json", "--json", "--keep-partial"])
 def test_options_that_make_meshes_mean_nothing_to_it(hmesh, option):
     hmesh.done("picture.png --vertices 50 -o a.hmc")
     sentence = f"hmesh: {option.split()[0]} means nothing to 'a.hmc', which is a mesh and no image\n"
@@ -112,4 +116,13 @@ def test_what_bytes_cannot_be(hmesh):
     assert run.returncode == 2 and "--no-table is given without --bytes" in run.stderr
     for count in ["0", "-3", "1e3", "2000000000"]:
         assert hmesh.run(f"picture.png --bytes {count} -o x.hmc").returncode == 2
+    assert not Path("x.hmc").exists()
+
+
+@pytest.mark.parametrize("option", [
+    "--max-vertices 50", "--good-enough 30", "--colors sampled", "--fit-space linear", "--periodic x", "--samples points",
+    "--weights picture.png", "--channel-weights 1,1,1", "--sprite", "--outline", "--keep-partial", "--grid 8"])
+def test_what_a_number_of_bytes_does_not_know_is_refused(hmesh, option):
+    run = hmesh.run(f"picture.png --bytes 300 -o x.hmc {option}")
+    assert run.returncode == 2 and f"{option.split()[0]} means nothing to --bytes, which makes a small .hmc file" in run.stderr
     assert not Path("x.hmc").exists()

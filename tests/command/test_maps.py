@@ -260,6 +260,7 @@ def test_more_than_16_channels_are_refused(hmesh):
 @pytest.mark.parametrize("arguments, sentence", [
     ("--with rock_rough.png -o x.pdf", "--with makes a mesh that .glb and .ply hold, and .pdf does not"),
     ("--with rock_rough.png -o x.ply --premultiplied", "--premultiplied is given with --with"),
+    ("--with rock_rough.png -o x.ply --sprite", "--sprite is given with --with"),
     ("--with rock_rough.png -o x.glb --fit-space each", "--fit-space is given with --with"),
     ("--with rock_rough.png -o x.ply --method xie", "--with means nothing to --method xie"),
     ("--with alpha=rock_rough.png -o x.ply", "has a name that positions or colours have in files"),

@@ -258,7 +258,8 @@ def test_fewer_vertices_may_be_good_enough(hmesh):
 
 
 @pytest.mark.parametrize("option", ["--psnr 30", "--render a.png", "--lods 3", "--sprite", "--method adams", "--strip a.png",
-                                    "--fit-space each", "--premultiplied", "-o a.svg", "--with b.png", "--keep-partial"])
+                                    "--fit-space each", "--premultiplied", "-o a.svg", "--with b.png", "--keep-partial",
+                                    "--outline", "--wireframe a.png", "--residual a.png", "-o a.glb --glb-bits 8"])
 def test_options_that_want_the_whole_image_are_refused(hmesh, option):
     draw("image.ppm")
     run = hmesh.run(f"image.ppm --out-of-core -o a.ply {option}")

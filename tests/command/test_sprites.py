@@ -184,6 +184,8 @@ WRONG = rows("""
     --alpha is given without                     | disc.png --alpha 3
     --alpha '255' must be from 0 to 254          | disc.png --sprite --alpha 255
     --margin requires --outline                  | disc.png --margin 1
+    with a sprite, which does not repeat         | disc.png --sprite --periodic x
+    with a sprite, which does not repeat         | disc.png --outline --periodic x
     --no-holes is given without --outline        | disc.png --no-holes
     --margin '64.5' must be from 0 to 64         | disc.png --outline --margin 64.5
     --margin 'x' is not a number                 | disc.png --outline --margin x
@@ -201,6 +203,22 @@ def test_what_cannot_be_is_refused_with_a_sentence(icons, sentence, arguments):
     Path("disc.mtl").write_bytes(b"x")
     run = icons.run(arguments)
     assert run.returncode == 2 and sentence in run.stderr and run.stdout == ""
+
+
+@pytest.mark.parametrize("option", [
+    "--vertices 9", "--psnr 30", "--good-enough 30", "--effort draft", "--method xie", "--colors sampled", "--fit-space linear",
+    "--premultiplied", "--weights disc.png", "--seed 2", "--tile 64", "--residual r.png", "--strip s.png", "--with disc.png",
+    "--channel-weights 1,1,1,1", "--lods 2", "--grid 8", "--glb packed", "--glb-bits 8"])
+def test_what_an_outline_does_not_know_is_refused(icons, option):
+    run = icons.run(f"disc.png --outline -o x.glb {option}")
+    assert run.returncode == 2 and f"{option.split()[0]} means nothing to --outline, which makes no mesh of colours" in run.stderr
+    assert not Path("x.glb").exists()
+
+
+def test_an_outline_on_the_standard_output_has_no_file_of_materials(icons):
+    with open("disc.png", "rb") as image, open("stream.obj", "wb") as stream:
+        assert icons.run("- --outline --texture disc.png -o - --format obj", stdin=image, stdout=stream).returncode == 0
+    assert b"\nf " in Path("stream.obj").read_bytes() and not list(Path().glob("*.mtl"))
 
 
 @pytest.mark.parametrize("weights", ["1,1,1,1", "1,0.02,0.02,0.3"])

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from PIL import Image
 
-from conftest import FORMATS, contents, is_whole, read, send_once_caught
+from conftest import FORMATS, contents, is_png, is_whole, read, send_once_caught
 
 
 def piped(hmesh, arguments, image):
@@ -77,6 +77,11 @@ def test_format_is_that_of_names_that_say_none_and_files_that_are_called_dash_ha
         assert read("first") == read("x.glb")
 
 
+def test_the_image_of_standard_input_has_a_name_for_its_files(hmesh):
+    piped(hmesh, "- --vertices 40 -o {name}.ply --render new/{name}.png", read("picture.png"))
+    assert is_whole("stdin.ply") and is_png("new/stdin.png", (96, 64))
+
+
 def test_options_of_a_format_hold_for_the_standard_output(hmesh):
     hmesh.done("picture.png --vertices 40 -o x.svg --svg flat")
     assert piped(hmesh, "picture.png --vertices 40 -o - --format svg --svg flat", b"")[0] == read("x.svg")
@@ -136,7 +141,8 @@ def test_a_full_standard_output_is_the_reason(hmesh, arguments):
 def test_a_terminal_is_shown_text_and_is_no_image(hmesh):
     ours, its = pty.openpty()
     with os.fdopen(its, "wb+", buffering=0) as terminal:
-        for output in ["-o - --format ply", "-o - --format glb", "-o - --format pdf", "-o - --format hmc", "--strip -"]:
+        for output in ["-o - --format ply", "-o - --format glb", "-o - --format pdf", "-o - --format hmc", "--strip -",
+                       "--render -", "--wireframe -", "--residual -"]:
             run = hmesh.run(f"grey.pgm {output}", stdout=terminal)
             assert run.returncode == 2 and "is a terminal, and ." in run.stderr
         assert hmesh.run("grey.pgm --vertices 4 -o x.ply -o - --format obj -q", stdout=terminal).returncode == 0

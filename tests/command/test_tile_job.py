@@ -609,6 +609,8 @@ def test_an_image_of_as_many_bytes_and_other_samples_is_not_the_planned_one(hmes
     job plan a.png -o job --tile 63            | --tile '63' must be from 64 to 65536
     job plan a.png -o job --levels 0           | --levels '0' must be from 1 to 10
     job plan a.png -o job --levels 11          | --levels '11' must be from 1 to 10
+    job plan a.png -o job --vertices 3         | --vertices '3' must be from 4 to
+    job plan a.png -o job --vertices 9 --rate 1 | --vertices excludes --rate
     job plan a.png -o job --rate 0             | --rate '0' must be above 0
     job plan a.png -o job --border-tolerance x | --border-tolerance 'x' is not a number
     job plan a.png -o job --border-tolerance 1e7 | --border-tolerance '1e7' must be from 0 to 1000000
@@ -617,6 +619,8 @@ def test_an_image_of_as_many_bytes_and_other_samples_is_not_the_planned_one(hmes
     job status                                 | no folder is given
     job join job                               | no output is given
     job join job -o x/{name}.ply               | --output 'x/{name}.ply' has {name} in it, which stands for nothing in a job
+    job join job -o x.ply --format glb         | --format is given, of tiles in a folder, and 'x.ply' is one file
+    job join job -o x.xyz                      | 'x.xyz' must end in one of: .ply, .obj
     job join job -o {lod}                      | has {lod} in it
     job join job -o x --format pdf             | --format 'pdf' is not one of: glb, ply, obj, hmc
 """))

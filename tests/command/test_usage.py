@@ -24,6 +24,7 @@ def test_version_prints_name_version_and_decoders(hmesh):
 WRONG = rows("""
     no input image                            |
     --seed means nothing to --method xie      | grey.pgm --method xie --seed 2
+    --tile means nothing to --method xie      | grey.pgm --method xie --tile 64
     --effort means nothing to --method adams  | grey.pgm --effort best --method adams
     larger number than any image has pixels   | grey.pgm --vertices 99999999999999999999
     --keep-partial is given with --depfile    | grey.pgm -o new.ply --depfile new.d --keep-partial
@@ -33,6 +34,8 @@ WRONG = rows("""
     makefiles have no names with control      | grey.pgm -o a%b.ply --depfile new.d
     makefiles have no names with control      | grey.pgm -o a=b.ply --depfile new.d
     makefiles have no names with control      | grey.pgm -o a.ply --report 'a(1)' --depfile new.d
+    --depfile is given with 'a;b.pgm'         | grey.pgm --weights 'a;b.pgm' -o a.ply --depfile new.d
+    has '', which is not a number             | color.ppm --channel-weights 1,1,1,
     has '-1', which must be from 0 to 1000000 | color.ppm --channel-weights 1,-1,1
     --vertices '3' must be at least 4         | grey.pgm -o new.ply --vertices 3
     --vertices '-5' must be at least 4        | grey.pgm -o new.ply --vertices -5
@@ -51,6 +54,7 @@ WRONG = rows("""
     overwrite the weights                     | grey.pgm constant.pgm --weights picture.png --render picture.png
     './' is no file: it has no name           | ./ -o {name}.ply
     './' is no file: it has no name           | ./ --weights {name}.png
+    './' is no file: it has no name           | ./ -o a.glb --with {name}.png
     --output - needs --format, one of: ply, obj, glb, pdf, eps, svg, html | grey.pgm -o -
     'xyz' is not one of: ply, obj, glb, pdf, eps, svg, html | grey.pgm -o - --format xyz
     --format is given without an output       | grey.pgm --format ply
@@ -70,6 +74,7 @@ WRONG = rows("""
     --depfile is given with -                 | - -o a.ply --depfile a.d
     --depfile is given with -                 | grey.pgm --weights - -o a.ply --depfile a.d
     --depfile is given with -                 | grey.pgm -o - --format ply --depfile a.d
+    --depfile is given with -                 | grey.pgm --with - -o a.ply --depfile a.d
     --json takes no value                     | grey.pgm --json=1
     excludes --max-vertices                   | grey.pgm --rate 2 --max-vertices 50
     excludes --max-vertices                   | grey.pgm --vertices 20 --max-vertices 50
@@ -98,6 +103,7 @@ WRONG = rows("""
     'inf' is not a number                     | grey.pgm --psnr inf
     '1e999' must be above 0 and at most 1000  | grey.pgm --psnr 1e999
     '0x10' is not a number                    | grey.pgm --rate 0x10
+    '1.2.3' is not a number                   | grey.pgm --rate 1.2.3
     '1,5' is not a number                     | grey.pgm --rate 1,5
     '0' must be above 0 and at most 100       | grey.pgm --rate 0
     '-1' must be above 0 and at most 100      | grey.pgm --rate -1
@@ -105,6 +111,10 @@ WRONG = rows("""
     '-3' is not a whole number from 0 to 2^64 - 1 | grey.pgm --seed -3
     '18446744073709551616' is not             | grey.pgm --seed 18446744073709551616
     --vertices excludes --rate                | grey.pgm --vertices 20 --rate 2
+    --vertices excludes --psnr                | grey.pgm --vertices 20 --psnr 30
+    --vertices excludes --bytes               | grey.pgm -o a.hmc --vertices 20 --bytes 300
+    --rate excludes --bytes                   | grey.pgm -o a.hmc --rate 2 --bytes 300
+    --psnr excludes --bytes                   | grey.pgm -o a.hmc --psnr 30 --bytes 300
     --rate excludes --psnr                    | grey.pgm --rate 2 --psnr 30
     --seed is given twice                     | grey.pgm --seed 1 --seed 2
     --weights is given twice                  | grey.pgm --weights grey.pgm --weights grey.pgm
@@ -112,6 +122,7 @@ WRONG = rows("""
     --svg is given twice                      | grey.pgm -o a.svg --svg exact --svg flat
     '-1' must be from 0 to 1024               | grey.pgm --threads -1
     '1025' must be from 0 to 1024             | grey.pgm --threads 1025
+    '-' is not a whole number                 | grey.pgm --threads -
     'two' is not a whole number               | grey.pgm --threads two
     '63' must be from 64 to 65536             | grey.pgm --tile 63
     '65537' must be from 64 to 65536          | grey.pgm --tile 65537
@@ -155,4 +166,13 @@ def test_wrong_usage_is_told_in_a_sentence_and_touches_no_file(hmesh, sentence, 
     run = hmesh.run(arguments)
     assert (run.returncode, run.stdout) == (2, "")
     assert sentence in run.stderr and "hmesh --help" in run.stderr
+    assert contents() == before
+
+
+@pytest.mark.parametrize("mark", "\\*?[]%=;|<>^&~'\"`\t\1")
+def test_a_name_that_no_makefile_can_hold_has_no_depfile(hmesh, mark):
+    before = contents()
+    for words in [["grey.pgm", "-o", f"a{mark}b.ply"], [f"a{mark}b.pgm", "-o", "a.ply"]]:
+        run = hmesh.run([*words, "--depfile", "a.d"])
+        assert run.returncode == 2 and "makefiles have no names with control characters" in run.stderr
     assert contents() == before
