@@ -128,9 +128,10 @@ struct Sums {
             sy[c] += y * value;
             if (c < C) q[3] += value * value;
         }
-        q[0] += x * x;
-        q[1] += x * y;
-        q[2] += y * y;
+        const auto i = static_cast<Number>(x), j = static_cast<Number>(y);
+        q[0] += i * i;
+        q[1] += i * j;
+        q[2] += j * j;
     }
 };
 
