@@ -7671,7 +7671,7 @@ class EdgeWalker {
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
     /// The same with j as a double.
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept { return column_below(j - start_y_); }
-    /// How far the centres of row j are below a, in px; exact.
+    /// How far the centres of row j are below a, in px; exact on the 1/256 px grid.
     [[nodiscard]] HMESH_ALWAYS_INLINE double below(int j) const noexcept { return j - start_y_; }
     /// column() of the row whose centres are so far below a.
     [[nodiscard]] HMESH_ALWAYS_INLINE int column_below(double px) const noexcept { return truncated(start_x_ + px * slope_); }
@@ -8022,8 +8022,8 @@ class MomentTable {
         else return std::max(Traits::highest, -Traits::lowest);
     }
 
-    /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
-    /// addressed: always true with 64-bit pointers.
+    /// Whether a table of the largest kind for width x height >= 1 pixels, its columns not counted, has at most `most` bytes, by
+    /// default what can be addressed: always true with 64-bit pointers.
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;
@@ -8872,11 +8872,11 @@ struct EntrySums {
     double squares = 0;                                                ///< of all samples, where these leave no lane of sx for it
     static constexpr int most_rows = std::numeric_limits<int>::max();  ///< that may be added
 
-    /// Adds row j = y, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
+    /// Adds row j, whose first i pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const double* const entry = table.entries() + table.offset(i, j);
         const PixelLanes low = PixelLanes::load(entry);
-        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * y;
+        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * static_cast<double>(j);
         if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
@@ -8897,7 +8897,7 @@ struct PairSums {
     static constexpr int most_rows = std::numeric_limits<int>::max();  ///< that may be added
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const std::int32_t* const pair = table.pair(i, j);
         const PixelLanes pixel = table.beyond(pair, i);  // the last one
         s += PixelLanes::load(pair) + pixel;
@@ -8924,7 +8924,7 @@ struct PairSums<3, true> {
     static constexpr int most_rows = 62;
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const std::int32_t* const pair = table.pair(i, j);
         const Table::Column& column = table.column(i);
         const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & column.is_odd;
@@ -8960,7 +8960,7 @@ template <class SampleSums, int C>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
     const EdgeWalker crossing(a, b);
-    double y = first, below = crossing.below(first);
+    double below = crossing.below(first);
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
     int j = first;
@@ -8969,9 +8969,9 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
         const int end = last - j > SampleSums::most_rows ? j + SampleSums::most_rows : last;
         SampleSums samples;
         ColumnSums columns;
-        for (; j < end; ++j, y += 1, below += 1) {
+        for (; j < end; ++j, below += 1) {
             const int i = crossing.column_below(below);
-            samples.add(table, i, j, y);
+            samples.add(table, i, j);
             columns.add(table.column(i).powers);
         }
         const double squares = samples.finish(end);

@@ -100,11 +100,11 @@ struct EntrySums {
     double squares = 0;                                                ///< of all samples, where these leave no lane of sx for it
     static constexpr int most_rows = std::numeric_limits<int>::max();  ///< that may be added
 
-    /// Adds row j = y, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double y) {
+    /// Adds row j, whose first i pixels are left of the edge.
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const double* const entry = table.entries() + table.offset(i, j);
         const PixelLanes low = PixelLanes::load(entry);
-        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * y;
+        s += low, sx += PixelLanes::load(entry + Table::lanes), sy += low * static_cast<double>(j);
         if constexpr (!Table::has_spare_lane) squares += entry[Table::lanes + C];
     }
     /// Ends the sums before the row `end`. The sum of the squares.
@@ -125,7 +125,7 @@ struct PairSums {
     static constexpr int most_rows = std::numeric_limits<int>::max();  ///< that may be added
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const std::int32_t* const pair = table.pair(i, j);
         const PixelLanes pixel = table.beyond(pair, i);  // the last one
         s += PixelLanes::load(pair) + pixel;
@@ -152,7 +152,7 @@ struct PairSums<3, true> {
     static constexpr int most_rows = 62;
 
     /// Adds row j, whose first i pixels are left of the edge.
-    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j, double /*y*/) {
+    HMESH_ALWAYS_INLINE void add(const Table& table, int i, int j) {
         const std::int32_t* const pair = table.pair(i, j);
         const Table::Column& column = table.column(i);
         const IntLanes next = IntLanes::bytes(Table::bytes_after(pair)), last = next & column.is_odd;
@@ -188,7 +188,7 @@ template <class SampleSums, int C>
 HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int first, int last, double sign, Moments<C>& m) {
     using Channels = typename Moments<C>::Channels;
     const EdgeWalker crossing(a, b);
-    double y = first, below = crossing.below(first);
+    double below = crossing.below(first);
     Channels signs = Channels::all(sign);
     for (int c = C + 1; c < MomentTable<C>::lanes; ++c) signs.set(c, 0);  // where pairs have what means nothing
     int j = first;
@@ -197,9 +197,9 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
         const int end = last - j > SampleSums::most_rows ? j + SampleSums::most_rows : last;
         SampleSums samples;
         ColumnSums columns;
-        for (; j < end; ++j, y += 1, below += 1) {
+        for (; j < end; ++j, below += 1) {
             const int i = crossing.column_below(below);
-            samples.add(table, i, j, y);
+            samples.add(table, i, j);
             columns.add(table.column(i).powers);
         }
         const double squares = samples.finish(end);

@@ -145,8 +145,8 @@ class MomentTable {
         else return std::max(Traits::highest, -Traits::lowest);
     }
 
-    /// Whether a table of the largest kind for width x height >= 1 pixels has at most `most` bytes, by default what can be
-    /// addressed: always true with 64-bit pointers.
+    /// Whether a table of the largest kind for width x height >= 1 pixels, its columns not counted, has at most `most` bytes, by
+    /// default what can be addressed: always true with 64-bit pointers.
     [[nodiscard]] static bool fits_memory(int width, int height,
                                           std::int64_t most = std::numeric_limits<std::ptrdiff_t>::max()) noexcept {
         const std::int64_t entries = (std::int64_t{width} + strip_width) * height;

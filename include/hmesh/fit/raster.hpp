@@ -43,7 +43,7 @@ class EdgeWalker {
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(int j) const noexcept { return column(static_cast<double>(j)); }
     /// The same with j as a double.
     [[nodiscard]] HMESH_ALWAYS_INLINE int column(double j) const noexcept { return column_below(j - start_y_); }
-    /// How far the centres of row j are below a, in px; exact.
+    /// How far the centres of row j are below a, in px; exact on the 1/256 px grid.
     [[nodiscard]] HMESH_ALWAYS_INLINE double below(int j) const noexcept { return j - start_y_; }
     /// column() of the row whose centres are so far below a.
     [[nodiscard]] HMESH_ALWAYS_INLINE int column_below(double px) const noexcept { return truncated(start_x_ + px * slope_); }
