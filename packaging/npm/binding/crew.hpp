@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "heap.hpp"
 #include "hmesh/core/parallel.hpp"
 
 namespace binding {
@@ -31,6 +32,7 @@ class Crew {
         work();
         is_open_ = 0;
         for (std::uint32_t in = helpers_in_; in != 0; in = helpers_in_) wait(helpers_in_, in);
+        catch_up();
         return failed_ == 0;
     }
     // Takes part in all calls to come. Never returns.
@@ -38,6 +40,7 @@ class Crew {
         while (true) {
             const std::uint32_t call = calls_;
             ++helpers_in_;
+            catch_up();
             if (is_open_ != 0) work();
             leave();
             wait(calls_, call);

@@ -24,9 +24,21 @@ class HeapLock {
     static inline std::atomic_flag flag_ = ATOMIC_FLAG_INIT;
 };
 
+// The pages of memory that there are, as the last that took memory has them.
+inline std::atomic<std::size_t> pages{0};
+
+// Makes the instance that calls know all pages. Engines tell an instance late that another one has grown the memory (V8, seen
+// in node 20): until then memory.copy traps beyond the size that it knows, and it grows memory that has grown.
+inline void catch_up() noexcept {
+    if (__builtin_wasm_memory_size(0) != pages) __builtin_wasm_memory_grow(0, 0);
+}
+
 inline void* allocate(std::size_t size, std::size_t alignment) noexcept {
     const HeapLock lock;
-    return std::aligned_alloc(alignment, (size + alignment) / alignment * alignment);
+    catch_up();
+    void* const bytes = std::aligned_alloc(alignment, (size + alignment) / alignment * alignment);
+    pages = __builtin_wasm_memory_size(0);
+    return bytes;
 }
 inline void release(void* bytes) noexcept {
     const HeapLock lock;
