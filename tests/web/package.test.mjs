@@ -413,6 +413,7 @@ test('a helper that fails in its part fails the call', async () => {
   const helpers = hmesh.stacks(3).map((stack) => {
     assert.equal(stack % 16, 0); // else the helper's code reads and writes beside its variables
     const helper = new Worker(new URL('worker.node.js', folder));
+    helper.unref();
     helper.postMessage({ module, memory, stack });
     return helper;
   });
@@ -421,6 +422,19 @@ test('a helper that fails in its part fails the call', async () => {
   assert.equal((await errorOf(() => hmesh.meshImage(picture(2400, 1600), { percent: 10 }))).code, 'out_of_memory');
   assert.match((await errorOf(() => hmesh.meshImage(large))).message, /stopped before/);
   for (const helper of helpers) await helper.terminate();
+});
+
+test('a helper that traps ends the call, which does not tell of memory', async () => {
+  const module = await compileHmesh(new URL('hmesh.threads.wasm', folder));
+  const memory = new WebAssembly.Memory({ initial: 64, maximum: 4096, shared: true }), hmesh = new Hmesh(module, { memory });
+  hmesh.stacks(0);
+  const helper = new Worker(new URL('worker.node.js', folder));
+  helper.unref();
+  helper.postMessage({ module, memory, stack: 16 });  // no room for any variable
+  const large = picture(500, 400), error = await errorOf(() => { for (let k = 0; k < 200; ++k) hmesh.meshImage(large, { vertices: 3000 }); });
+  assert.equal(error.code, 'internal');
+  assert.match(error.message, /hmesh stopped/);
+  await helper.terminate();
 });
 
 test('the module comes from bytes, an address, an answer or a promise, and what is none is refused', async () => {

@@ -15,13 +15,16 @@
 
 namespace binding {
 
+// How a helper failed, with the numbers of help() in src/engine.js.
+enum class Failure : std::uint32_t { none, out_of_memory, trap };
+
 class Crew {
   public:
-    // Runs the pieces. False: a helper failed, and so some pieces were not done.
-    bool run(std::size_t n, hmesh::Piece piece) {
+    // Runs the pieces, and returns none, or how a helper failed, so that some pieces were not done.
+    Failure run(std::size_t n, hmesh::Piece piece) {
         if (n < 2) {
             for (std::size_t i = 0; i < n; ++i) piece(i);
-            return true;
+            return Failure::none;
         }
         piece_ = &piece;
         count_ = n;
@@ -33,7 +36,7 @@ class Crew {
         is_open_ = 0;
         for (std::uint32_t in = helpers_in_; in != 0; in = helpers_in_) wait(helpers_in_, in);
         catch_up();
-        return failed_ == 0;
+        return failure_;
     }
     // Takes part in all calls to come. Never returns.
     [[noreturn]] void help() {
@@ -47,8 +50,8 @@ class Crew {
         }
     }
     // Says of the helper that calls that a piece threw.
-    void fail() {
-        failed_ = 1;
+    void fail(Failure failure) {
+        failure_ = failure;
         leave();
     }
 
@@ -69,7 +72,8 @@ class Crew {
 
     const hmesh::Piece* piece_ = nullptr;
     std::size_t count_ = 0;
-    Word next_{0}, is_open_{0}, calls_{0}, helpers_in_{0}, failed_{0};
+    Word next_{0}, is_open_{0}, calls_{0}, helpers_in_{0};
+    std::atomic<Failure> failure_{Failure::none};
 };
 
 }  // namespace binding

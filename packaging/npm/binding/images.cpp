@@ -26,7 +26,10 @@ namespace {
 #ifdef __wasm_atomics__
 binding::Crew crew;
 const auto executor = [](std::size_t n, hmesh::Piece piece) {
-    if (!crew.run(n, piece)) hmesh_out_of_memory();
+    const binding::Failure failure = crew.run(n, piece);
+    if (failure == binding::Failure::none) return;
+    if (failure == binding::Failure::out_of_memory) hmesh_out_of_memory();
+    __builtin_trap();
 };
 #else
 const hmesh::ParallelFor executor;
@@ -40,7 +43,7 @@ HMESH_EXPORT(hmesh_release) void hmesh_release(void* bytes) { ::operator delete(
 #ifdef __wasm_atomics__
 // A helper's life, on a stack of its own in an instance of its own; and its end, where that threw.
 HMESH_EXPORT(hmesh_help) void hmesh_help() { crew.help(); }
-HMESH_EXPORT(hmesh_fail) void hmesh_fail() { crew.fail(); }
+HMESH_EXPORT(hmesh_fail) void hmesh_fail(binding::Failure failure) { crew.fail(failure); }
 #endif
 
 // Meshes an image of 3 or 4 channels. `kind`: Target::Kind; `weights`: one a pixel, or null.

@@ -110,8 +110,8 @@ export function help(module, memory, stack) {
   wasm.stackRestore(stack);
   try {
     wasm.hmesh_help();
-  } catch {
-    wasm.hmesh_fail();
+  } catch (error) {
+    wasm.hmesh_fail(error.code === 'out_of_memory' ? 1 : 2);
   }
 }
 
