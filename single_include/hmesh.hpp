@@ -8116,7 +8116,7 @@ class MomentTable {
     }
     /// What all entries (x, y) of one x share.
     struct Column {
-        Lanes<4> powers;  ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
+        Lanes<4> powers;  ///< the sums of i^2, 0, i and 1 over the pixels (i, y), 0 <= i < x
         IntLanes is_odd,  ///< -1 in all lanes where x is odd, else 0
             last;         ///< x - 1 in all lanes where x is odd, else 0
     };
@@ -8170,7 +8170,7 @@ class MomentTable {
             const std::int32_t is_odd = -(x & 1);
             columns_[static_cast<unsigned>(x)] = {Lanes<4>::load(powers), IntLanes::all(is_odd), IntLanes::all(is_odd & (x - 1))};
             powers[0] += static_cast<double>(x) * x;
-            powers[1] += x;
+            powers[2] += x;
             powers[3] += 1;
         }
     }
@@ -8843,8 +8843,9 @@ inline constexpr double least_weight = 1e-9;
 namespace detail {
 
 /// The sums over the pixels left of an edge that follow from its columns alone, gathered row by row, downwards, as the sums of
-/// i^2, i, 0 and 1 that a table has for each column. Nothing is multiplied by rows: in a sum of sums counts d times what was
-/// added d rows before its end, and d (d + 1) / 2 times in a sum of those.
+/// i^2, 0, i and 1 that a table has for each column. Nothing is multiplied by rows: in a sum of sums counts d times what was
+/// added d rows before its end, and d (d + 1) / 2 times in a sum of those. Nobody asks these for the first two, which registers
+/// of two doubles therefore do not add.
 struct ColumnSums {
     Lanes<4> x = Lanes<4>::zero(), x_d = x, x_dd = x;  ///< of a table's sums, sums of these, and sums of those
 
@@ -8978,9 +8979,10 @@ HMESH_ALWAYS_INLINE void walk(const MomentTable<C>& table, Point a, Point b, int
         Channels s = Channels::extended(samples.s), sx = Channels::extended(samples.sx), sy = Channels::extended(samples.sy);
         const Lanes<4> by_row = columns.by_row(end);
         set_one<C>(s, columns.x);
-        set_one<C>(sx, Lanes<4>::all(columns.x[1]));
+        set_one<C>(sx, Lanes<4>::all(columns.x[2]));
         set_one<C>(sy, by_row);
-        Lanes<4> q = columns.x.template with<1>(by_row);
+        Lanes<4> q = columns.x;
+        q.set(1, by_row[2]);
         q.set(2, columns.by_row_squared(end)[3]);
         q.set(3, squares);
         const Moments<C> rows{s * signs, sx * signs, sy * signs, q * sign};

@@ -239,7 +239,7 @@ class MomentTable {
     }
     /// What all entries (x, y) of one x share.
     struct Column {
-        Lanes<4> powers;  ///< the sums of i^2, i, 0 and 1 over the pixels (i, y), 0 <= i < x
+        Lanes<4> powers;  ///< the sums of i^2, 0, i and 1 over the pixels (i, y), 0 <= i < x
         IntLanes is_odd,  ///< -1 in all lanes where x is odd, else 0
             last;         ///< x - 1 in all lanes where x is odd, else 0
     };
@@ -293,7 +293,7 @@ class MomentTable {
             const std::int32_t is_odd = -(x & 1);
             columns_[static_cast<unsigned>(x)] = {Lanes<4>::load(powers), IntLanes::all(is_odd), IntLanes::all(is_odd & (x - 1))};
             powers[0] += static_cast<double>(x) * x;
-            powers[1] += x;
+            powers[2] += x;
             powers[3] += 1;
         }
     }
