@@ -7,22 +7,9 @@
 #include <cstdlib>
 #include <new>
 
+#include "module.hpp"
+
 namespace binding {
-
-// Held for less than a microsecond, hence no waiting but turning.
-class HeapLock {
-  public:
-    HeapLock() noexcept {
-        while (flag_.test_and_set(std::memory_order_acquire)) {
-        }
-    }
-    HeapLock(const HeapLock&) = delete;
-    HeapLock& operator=(const HeapLock&) = delete;
-    ~HeapLock() { flag_.clear(std::memory_order_release); }
-
-  private:
-    static inline std::atomic_flag flag_ = ATOMIC_FLAG_INIT;
-};
 
 // The pages of memory that there are, as the last that took memory has them.
 inline std::atomic<std::size_t> pages{0};
@@ -33,9 +20,24 @@ inline void catch_up() noexcept {
     if (__builtin_wasm_memory_size(0) != pages) __builtin_wasm_memory_grow(0, 0);
 }
 
+// Held for less than a microsecond, hence no waiting but turning. Whoever holds it knows all pages.
+class HeapLock {
+  public:
+    HeapLock() noexcept {
+        while (flag_.test_and_set(std::memory_order_acquire)) {
+        }
+        catch_up();
+    }
+    HeapLock(const HeapLock&) = delete;
+    HeapLock& operator=(const HeapLock&) = delete;
+    ~HeapLock() { flag_.clear(std::memory_order_release); }
+
+  private:
+    static inline std::atomic_flag flag_ = ATOMIC_FLAG_INIT;
+};
+
 inline void* allocate(std::size_t size, std::size_t alignment) noexcept {
     const HeapLock lock;
-    catch_up();
     void* const bytes = std::aligned_alloc(alignment, (size + alignment) / alignment * alignment);
     pages = __builtin_wasm_memory_size(0);
     return bytes;
@@ -44,10 +46,9 @@ inline void release(void* bytes) noexcept {
     const HeapLock lock;
     std::free(bytes);
 }
-// The handler throws through JavaScript.
 inline void* allocate_or_throw(std::size_t size, std::size_t alignment) {
     void* const bytes = allocate(size, alignment);
-    if (bytes == nullptr) std::get_new_handler()();
+    if (bytes == nullptr) hmesh_out_of_memory();
     return bytes;
 }
 

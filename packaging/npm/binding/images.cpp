@@ -16,12 +16,8 @@
 
 // Is handed the mesh so far, as an answer.
 HMESH_IMPORT(show) void hmesh_show(const void* answer);
-// Throws.
-HMESH_IMPORT(out_of_memory) void hmesh_out_of_memory();
 
 namespace {
-
-[[maybe_unused]] const std::new_handler previous_handler = std::set_new_handler(hmesh_out_of_memory);
 
 #ifdef __wasm_atomics__
 binding::Crew crew;
@@ -32,6 +28,7 @@ const auto executor = [](std::size_t n, hmesh::Piece piece) {
     __builtin_trap();
 };
 #else
+[[maybe_unused]] const std::new_handler previous_handler = std::set_new_handler(hmesh_out_of_memory);
 const hmesh::ParallelFor executor;
 #endif
 

@@ -20,6 +20,9 @@
 #define HMESH_EXPORT(name) extern "C" __attribute__((export_name(#name), used))
 #define HMESH_IMPORT(name) extern "C" __attribute__((import_module("hmesh"), import_name(#name)))
 
+// Throws.
+HMESH_IMPORT(out_of_memory) void hmesh_out_of_memory();
+
 namespace binding {
 
 using Bytes = std::vector<std::uint8_t>;
