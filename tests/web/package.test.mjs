@@ -427,7 +427,7 @@ test('a helper that fails in its part fails the call', async () => {
 test('a helper that traps ends the call, which does not tell of memory', async () => {
   const module = await compileHmesh(new URL('hmesh.threads.wasm', folder));
   const memory = new WebAssembly.Memory({ initial: 64, maximum: 4096, shared: true }), hmesh = new Hmesh(module, { memory });
-  hmesh.stacks(0);
+  hmesh.stacks(0);  // the instance sets the memory up, which a helper finds
   const helper = new Worker(new URL('worker.node.js', folder));
   helper.unref();
   helper.postMessage({ module, memory, stack: 16 });  // no room for any variable

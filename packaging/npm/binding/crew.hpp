@@ -10,8 +10,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "heap.hpp"
 #include "hmesh/core/parallel.hpp"
+#include "pages.hpp"
 
 namespace binding {
 

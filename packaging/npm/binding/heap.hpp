@@ -8,17 +8,9 @@
 #include <new>
 
 #include "module.hpp"
+#include "pages.hpp"
 
 namespace binding {
-
-// The pages of memory that there are, as the last that took memory has them.
-inline std::atomic<std::size_t> pages{0};
-
-// Makes the instance that calls know all pages. Engines tell an instance late that another one has grown the memory (V8, seen
-// in node 20): until then memory.copy traps beyond the size that it knows, and it grows memory that has grown.
-inline void catch_up() noexcept {
-    if (__builtin_wasm_memory_size(0) != pages) __builtin_wasm_memory_grow(0, 0);
-}
 
 // Held for less than a microsecond, hence no waiting but turning. Whoever holds it knows all pages.
 class HeapLock {

@@ -111,7 +111,7 @@ export function help(module, memory, stack) {
   try {
     wasm.hmesh_help();
   } catch (error) {
-    wasm.hmesh_fail(error.code === 'out_of_memory' ? 1 : 2);
+    wasm.hmesh_fail(error.code === 'out_of_memory' ? 1 : 2);  // Failure of binding/crew.hpp
   }
 }
 
