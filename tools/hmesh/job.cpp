@@ -13,6 +13,8 @@
 #include <utility>
 #include <vector>
 
+#include "arguments/conflicts.hpp"
+#include "arguments/files.hpp"
 #include "meshing.hpp"
 #include "readers/image_file.hpp"
 #include "readers/image_set.hpp"

@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <filesystem>
 #include <utility>
 
 #include "arguments/command_words.hpp"
+#include "arguments/conflicts.hpp"
+#include "arguments/files.hpp"
 #include "arguments/job_options.hpp"
-#include "arguments/map_names.hpp"
 #include "arguments/parser.hpp"
 #include "arguments/patterns.hpp"
 #include "arguments/tile_job.hpp"
@@ -17,7 +17,6 @@
 #include "hmesh/core/version.hpp"
 #include "readers/image_file.hpp"
 #include "terminal/standard_streams.hpp"
-#include "writers/depfile.hpp"
 #include "writers/ending.hpp"
 #include "writers/formats.hpp"
 #include "writers/meshopt.hpp"
@@ -348,283 +347,7 @@ std::string version() {
            (gltf_compressor().empty() ? "" : "writes\n  --glb meshopt: " + gltf_compressor() + "\n");
 }
 
-// The names of the files that are written; of arguments that are const or not.
-template <class AnyArguments, class Take>
-void for_each_output(AnyArguments& arguments, Take&& take) {
-    for (auto& mesh : arguments.meshes) {
-        take(mesh.name);
-        for (auto& level : mesh.coarser) take(level);
-    }
-    for (auto& material : arguments.materials) take(material);
-    for (auto* file :
-         {&arguments.render, &arguments.wireframe, &arguments.residual, &arguments.strip, &arguments.report, &arguments.depfile})
-        if (!file->empty()) take(*file);
-}
-
-// Gives the maps names. Returns "" or what is wrong with them, as a sentence.
-std::string name_maps(Arguments& arguments) {
-    if (arguments.others.empty()) return {};
-    std::vector<std::string> files{arguments.input};
-    for (const OtherMap& other : arguments.others) files.push_back(other.file);
-    std::vector<std::string> names = map_names(files);
-    for (std::size_t i = 0; i < arguments.others.size(); ++i) {
-        OtherMap& other = arguments.others[i];
-        if (other.name.empty()) other.name = names[i + 1];
-        names[i + 1] = other.name;
-    }
-    arguments.name = names[0];
-    for (std::size_t i = 0; i < names.size(); ++i)
-        for (std::size_t k = 0; k < i; ++k)
-            if (hmesh::detail::is_same_name(names[i].c_str(), names[k].c_str()))
-                return "'" + files[k] + "' and '" + files[i] + "' are both called '" + names[i] + "': --with NAME=FILE names one";
-    return {};
-}
-
-bool has_pattern(const Arguments& arguments) {
-    const std::vector<std::string> files = output_files(arguments);
-    const auto is_pattern_of = [](const OtherMap& other) { return is_pattern(other.file); };
-    return is_pattern(arguments.weights) || std::any_of(files.begin(), files.end(), is_pattern) ||
-           std::any_of(arguments.others.begin(), arguments.others.end(), is_pattern_of);
-}
-
-// Names the files of the levels of detail.
-void name_levels(Arguments& arguments) {
-    for (MeshFile& mesh : arguments.meshes) {
-        const std::string all = mesh.name;
-        const int levels = mesh.ending == ".glb" && !has_level_mark(all) ? 1 : arguments.meshing.levels;
-        mesh.name = level_file(all, 0);
-        for (int level = 1; level < levels; ++level) mesh.coarser.push_back(level_file(all, level));
-        if (!has_level_mark(all)) continue;
-        arguments.folders.push_back(std::filesystem::path(mesh.name).parent_path().string());
-        for (const std::string& level : mesh.coarser)
-            arguments.folders.push_back(std::filesystem::path(level).parent_path().string());
-    }
-}
-
-Arguments for_image(Arguments all, const std::string& input) {
-    all.input = input;
-    name_levels(all);
-    const std::string name = image_name(input);
-    for (std::string& folder : all.folders) folder = expand(folder, name);
-    all.weights = expand(all.weights, name);
-    for (OtherMap& other : all.others) other.file = expand(other.file, name);
-    for_each_output(all, [&](std::string& file) {
-        if (!is_pattern(file)) return;
-        file = expand(file, name);
-        all.folders.push_back(std::filesystem::path(file).parent_path().string());
-    });
-    all.texture = expand(all.texture, name);
-    for (const MeshFile& mesh : all.meshes)
-        if (all.outline && mesh.ending == ".obj" && !is_standard(mesh.name))
-            all.materials.push_back(std::filesystem::path(mesh.name).replace_extension(".mtl").string());
-    return all;
-}
-
-// What is wrong with several maps for one mesh.
-std::string find_map_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
-    const std::vector<OtherMap>& others = arguments.others;
-    if (arguments.balances_maps && others.empty()) return "--channel-weights balanced is given without --with";
-    if (others.empty()) return {};
-    if (arguments.balances_maps && arguments.meshing.target.kind == hmesh::Target::Kind::psnr)
-        return "--channel-weights balanced goes by a number of vertices, and --psnr looks for one: leave one of them out";
-    const auto is_shared = [](const OtherMap& other) { return !is_pattern(other.file); };
-    if (inputs.size() > 1 && std::any_of(others.begin(), others.end(), is_shared))
-        return "--with is given for " + std::to_string(inputs.size()) + " images: it needs {name} in it, which is that of each";
-    for (const MeshFile& mesh : arguments.meshes)
-        if (mesh.ending != ".glb" && mesh.ending != ".ply")
-            return "--with makes a mesh that .glb and .ply hold, and " + mesh.ending + " does not";
-    if (is_standard(arguments.render)) return "--with draws several pictures, and --render - names one";
-    if (arguments.meshing.method != Method::annealed)
-        return std::string("--with means nothing to --method ") + name_of(methods, arguments.meshing.method);
-    for (const char* option : {"--premultiplied", "--fit-space", "--sprite"})
-        if (app.count(option) != 0) return std::string(option) + " is given with --with, whose images are no colours alone";
-    return {};
-}
-
-// What is wrong with levels of detail.
-std::string find_level_conflict(const CLI::App& app, const Arguments& arguments) {
-    const bool is_asked_for = app.count("--lods") != 0;
-    for (const MeshFile& mesh : arguments.meshes) {
-        if (has_level_mark(mesh.name) && !is_asked_for)
-            return "--output '" + mesh.name + "' has {lod} in it, and there are no levels of detail without --lods";
-        if (is_standard(mesh.name) && mesh.ending != ".glb" && arguments.meshing.levels > 1)
-            return "--lods makes a file of each level, and --output - is one: of the formats .glb alone holds all";
-    }
-    if (!is_asked_for) return {};
-    if (arguments.meshing.method != Method::annealed)
-        return std::string("--lods means nothing to --method ") + name_of(methods, arguments.meshing.method);
-    if (arguments.keep_partial) return "--keep-partial is given with --lods, of which all levels are written or none";
-    return {};
-}
-
-// What is wrong with an outline in place of a mesh.
-std::string find_outline_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
-    for (const char* option :
-         {"--sprite",    "--vertices",        "--rate",    "--psnr", "--good-enough", "--effort",  "--method",   "--colors",
-          "--fit-space", "--premultiplied",   "--weights", "--seed", "--tile",        "--render",  "--residual", "--strip",
-          "--with",      "--channel-weights", "--lods",    "--grid", "--glb",         "--samples", "--glb-bits"})
-        if (app.count(option) != 0) return std::string(option) + " means nothing to --outline, which makes no mesh of colours";
-    for (const MeshFile& mesh : arguments.meshes)
-        if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
-            return "--outline is written as .ply, .obj or .glb, which hold texture coordinates: '" + mesh.name + "' holds none";
-    if (arguments.texture.empty() && std::find(inputs.begin(), inputs.end(), "-") != inputs.end())
-        return "--outline of the standard input needs --texture, the name of the image in the files";
-    return {};
-}
-
-// What is wrong with an image that is read by rectangles: much else wants all of it.
-std::string find_rectangle_conflict(const CLI::App& app, const Arguments& arguments) {
-    if (arguments.meshing.method != Method::annealed)
-        return std::string("--out-of-core means nothing to --method ") + name_of(methods, arguments.meshing.method);
-    for (const char* option : {"--psnr", "--fit-space", "--sprite", "--outline", "--with", "--lods", "--render", "--wireframe",
-                               "--residual", "--strip", "--premultiplied", "--keep-partial", "--glb-bits"})
-        if (app.count(option) != 0) return std::string(option) + " wants the whole image, which --out-of-core does not read";
-    for (const MeshFile& mesh : arguments.meshes)
-        if (mesh.ending != ".ply" && mesh.ending != ".obj" && mesh.ending != ".glb")
-            return "--out-of-core makes large meshes, for .ply, .obj and .glb: '" + mesh.name + "' is none";
-    return {};
-}
-
-// What is wrong with a number of bytes, for which the mesh is made otherwise.
-std::string find_byte_conflict(const CLI::App& app, const Arguments& arguments) {
-    for (const char* option : {"--max-vertices", "--good-enough", "--method", "--colors", "--fit-space", "--periodic",
-                               "--samples", "--weights", "--with", "--channel-weights", "--lods", "--sprite", "--outline",
-                               "--keep-partial", "--grid", "--out-of-core", "--border-tolerance", "--straight-border"})
-        if (app.count(option) != 0) return std::string(option) + " means nothing to --bytes, which makes a small .hmc file";
-    return has_output(arguments, ".hmc") ? "" : "--bytes is given without an output that ends in .hmc";
-}
-
-// An option that makes a mesh, or compares it with an image.
-std::string find_option_of_images(const CLI::App& app) {
-    for (const char* option :
-         {"--vertices", "--rate",        "--psnr",      "--bytes",    "--max-vertices",    "--good-enough", "--effort",
-          "--method",   "--colors",      "--fit-space", "--periodic", "--premultiplied",   "--samples",     "--border-tolerance",
-          "--weights",  "--with",        "--grid",      "--seed",     "--channel-weights", "--tile",        "--lods",
-          "--sprite",   "--outline",     "--residual",  "--strip",    "--straight-border", "--out-of-core", "--report",
-          "--json",     "--keep-partial"})
-        if (app.count(option) != 0) return option;
-    return {};
-}
-
-// What is wrong with a command line of which each option is right by itself.
-std::string find_conflict(const CLI::App& app, const std::vector<std::string>& inputs, const Arguments& arguments) {
-    if (std::find(inputs.begin(), inputs.end(), "") != inputs.end()) return "no input image is given";
-    for (const std::string& input : inputs)
-        if (has_ending(input, ".hmc") && !arguments.of_images.empty()) return means_nothing_to_mesh(arguments, input);
-    for (const MeshFile& mesh : arguments.meshes) {
-        if (is_standard(mesh.name) && mesh.ending.empty())
-            return "--output - needs --format, one of: " + joined(format_names(), ", ");
-        if (mesh.ending.empty())
-            return "--output '" + mesh.name + "' must end in one of: " + format_endings() + "; or --format names one";
-    }
-    if (app.count("--format") != 0 && std::all_of(arguments.meshes.begin(), arguments.meshes.end(),
-                                                  [](const MeshFile& mesh) { return !format_ending(mesh.name).empty(); }))
-        return "--format is given without an output that leaves its format open, as -o - does";
-    if (arguments.json && writes_standard_output(arguments))
-        return "--json is given with an output that is -, and both would be the standard output";
-    const bool reads_standard_input =
-        is_standard(arguments.weights) || std::find(inputs.begin(), inputs.end(), "-") != inputs.end() ||
-        std::any_of(arguments.others.begin(), arguments.others.end(), [](const OtherMap& map) { return is_standard(map.file); });
-    for (const std::string& input : inputs)
-        if (image_name(input).empty() && has_pattern(arguments))
-            return "'" + input + "' is no file: it has no name to stand for {name}";
-    if (!arguments.depfile.empty() && (reads_standard_input || writes_standard_output(arguments)))
-        return "--depfile is given with -, which is no file";
-    if (app.count("--svg") != 0 && !has_output(arguments, ".svg")) return "--svg is given without an output that ends in .svg";
-    for (const char* option : {"--glb", "--glb-bits"})
-        if (app.count(option) != 0 && !has_output(arguments, ".glb"))
-            return std::string(option) + " is given without an output that ends in .glb";
-    if (arguments.glb == GlbForm::meshopt && gltf_compressor().empty())
-        return "--glb meshopt needs meshoptimizer, and this hmesh was built without it";
-    if (std::string why = find_map_conflict(app, inputs, arguments); !why.empty()) return why;
-    if (std::string why = find_level_conflict(app, arguments); !why.empty()) return why;
-    if (!arguments.original && !has_output(arguments, ".html"))
-        return "--no-original is given without an output that ends in .html";
-    if (!arguments.depfile.empty() && output_files(arguments).size() == 1) return "--depfile is given without another output";
-    if (!arguments.depfile.empty()) {
-        std::vector<std::string> names = inputs;
-        for (const std::vector<std::string>& more : {output_files(arguments), input_files(arguments)})
-            names.insert(names.end(), more.begin(), more.end());
-        for (const std::string& name : names)
-            if (!is_make_name(name))
-                return "--depfile is given with '" + name +
-                       "', and makefiles have no names with control characters, a parenthesis at the end or any of " +
-                       foreign_to_make;
-    }
-    if (arguments.keep_partial && !arguments.depfile.empty())
-        return "--keep-partial is given with --depfile, for which nothing but whole results is written";
-    if (arguments.meshing.straight_border && arguments.meshing.periodic == hmesh::Periodic::none)
-        return "--straight-border is given without --periodic";
-    if (arguments.meshing.periodic != hmesh::Periodic::none && (arguments.sprite || arguments.outline))
-        return "--periodic is given with a sprite, which does not repeat";
-    if (arguments.meshing.samples == hmesh::Samples::points && arguments.meshing.periodic != hmesh::Periodic::none)
-        return "--samples points is given with --periodic, whose samples are squares";
-    if (arguments.meshing.border_tolerance && arguments.meshing.samples != hmesh::Samples::points)
-        return "--border-tolerance is given without --samples points";
-    if (arguments.meshing.border_tolerance && app.count("--channel-weights") != 0)
-        return "--border-tolerance is given with --channel-weights, which sides of the mesh do not know";
-    for (const char* option : {"--effort", "--seed", "--tile", "--periodic", "--border-tolerance"})
-        if (arguments.meshing.method != Method::annealed && app.count(option) != 0)
-            return std::string(option) + " means nothing to --method " + name_of(methods, arguments.meshing.method);
-    if (app.count("--alpha") != 0 && !arguments.sprite && !arguments.outline)
-        return "--alpha is given without --sprite or --outline";
-    if (arguments.sprite && arguments.meshing.fit_space != FitSpace::stored)
-        return "--fit-space linear fits straight colours, and --sprite those times alpha: leave one of them out";
-    if (!arguments.outline && !arguments.outline_options.holes) return "--no-holes is given without --outline";
-    if (arguments.out_of_core)
-        if (std::string why = find_rectangle_conflict(app, arguments); !why.empty()) return why;
-    if (!arguments.meshing.start_table && arguments.meshing.bytes == 0) return "--no-table is given without --bytes";
-    if (arguments.meshing.bytes > 0)
-        if (std::string why = find_byte_conflict(app, arguments); !why.empty()) return why;
-    if (arguments.outline) return find_outline_conflict(app, inputs, arguments);
-    if (std::string why = find_conflict(arguments.meshing); !why.empty()) return why;
-    if (arguments.meshing.fit_space == FitSpace::each && !has_output(arguments, ".glb"))
-        return "--fit-space each is given without an output that ends in .glb, for which alone it fits linear light";
-    return {};
-}
-
 }  // namespace
-
-std::string means_nothing_to_mesh(const Arguments& arguments, const std::string& input) {
-    return arguments.of_images + " means nothing to '" + input + "', which is a mesh and no image";
-}
-
-std::vector<std::string> render_files(const Arguments& arguments) {
-    const std::string& render = arguments.render;
-    if (render.empty()) return {};
-    if (arguments.others.empty() || is_standard(render)) return {render};
-    const std::size_t dot = render.size() - 4;  // of .png
-    std::vector<std::string> files{render.substr(0, dot) + "_" + arguments.name + render.substr(dot)};
-    for (const OtherMap& other : arguments.others) files.push_back(render.substr(0, dot) + "_" + other.name + render.substr(dot));
-    return files;
-}
-
-std::vector<std::string> output_files(const Arguments& arguments) {
-    std::vector<std::string> files;
-    for_each_output(arguments, [&](const std::string& file) {
-        if (&file != &arguments.render) return files.push_back(file);
-        const std::vector<std::string> pictures = render_files(arguments);
-        files.insert(files.end(), pictures.begin(), pictures.end());
-    });
-    return files;
-}
-
-std::vector<std::string> input_files(const Arguments& arguments) {
-    std::vector<std::string> files{arguments.input};
-    for (const OtherMap& other : arguments.others) files.push_back(other.file);
-    if (!arguments.weights.empty()) files.push_back(arguments.weights);
-    return files;
-}
-
-bool writes_standard_output(const Arguments& arguments) {
-    const std::vector<std::string> files = output_files(arguments);
-    return std::any_of(files.begin(), files.end(), is_standard);
-}
-
-bool has_output(const Arguments& arguments, const std::string& ending) {
-    return std::any_of(arguments.meshes.begin(), arguments.meshes.end(),
-                       [&](const MeshFile& mesh) { return mesh.ending == ending; });
-}
 
 CommandLine parse(const std::vector<std::string>& words) {
     CommandLine line;
@@ -653,8 +376,9 @@ CommandLine parse(const std::vector<std::string>& words) {
     try {
         line.wrong = parse_words(app, words, "no input image is given");
         if (!line.wrong.empty()) return line;
-        arguments.of_images = find_option_of_images(app);
-        line.wrong = find_conflict(app, inputs, arguments);
+        const Said said{[&](const char* option) { return app.count(option) != 0; }, inputs, arguments};
+        arguments.of_images = find_option_of_images(said);
+        line.wrong = find_conflict(said);
         for (const std::string& input : inputs) {
             line.images.push_back(for_image(arguments, input));
             if (line.wrong.empty()) line.wrong = name_maps(line.images.back());

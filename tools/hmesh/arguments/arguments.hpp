@@ -83,24 +83,6 @@ struct Arguments {
     std::vector<std::string> folders;  // to be made where they are not there: those of names that held {name} or {lod}
 };
 
-// The pictures of --render: one, or where there are several maps one for each, with its name before the ending.
-[[nodiscard]] std::vector<std::string> render_files(const Arguments& arguments);
-
-// The sentence about its option `of_images`.
-[[nodiscard]] std::string means_nothing_to_mesh(const Arguments& arguments, const std::string& input);
-
-// Every file that the command writes for this image.
-[[nodiscard]] std::vector<std::string> output_files(const Arguments& arguments);
-
-// Every file that it reads for it, the image first.
-[[nodiscard]] std::vector<std::string> input_files(const Arguments& arguments);
-
-// Whether the standard output is one of them.
-[[nodiscard]] bool writes_standard_output(const Arguments& arguments);
-
-// Whether a mesh is to be written with this ending.
-[[nodiscard]] bool has_output(const Arguments& arguments, const std::string& ending);
-
 struct CommandLine {
     std::vector<Arguments> images;  // one for each, {name} in names of files replaced by its own
     std::string wrong;              // what is wrong with the command line, a sentence; empty: nothing

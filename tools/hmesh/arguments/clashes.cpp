@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <system_error>
 
+#include "arguments/files.hpp"
 #include "arguments/patterns.hpp"
 #include "terminal/standard_streams.hpp"
 #include "writers/file_set.hpp"

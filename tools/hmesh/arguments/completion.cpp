@@ -3,14 +3,10 @@
 #include <algorithm>
 #include <vector>
 
+#include "arguments/named.hpp"
+
 namespace tool {
 namespace {
-
-std::string joined(const std::vector<std::string>& words, const char* between) {
-    std::string out;
-    for (const std::string& word : words) out += (out.empty() ? "" : between) + word;
-    return out;
-}
 
 // With a backslash before each of `special`.
 std::string escaped(const std::string& text, const char* special) {

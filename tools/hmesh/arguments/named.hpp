@@ -1,9 +1,10 @@
-// tools - values of options that have names, as tables.
+// tools - values of options that have names, as tables, and lists of names.
 #ifndef HMESH_TOOLS_ARGUMENTS_NAMED_HPP
 #define HMESH_TOOLS_ARGUMENTS_NAMED_HPP
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 namespace tool {
 
@@ -32,6 +33,12 @@ template <class Value, std::size_t n>
         names += (names.empty() ? "" : ", ") + std::string(entry.name);
     }
     return "is not one of: " + names;
+}
+
+[[nodiscard]] inline std::string joined(const std::vector<std::string>& names, const char* between) {
+    std::string out;
+    for (const std::string& name : names) out += (out.empty() ? "" : between) + name;
+    return out;
 }
 
 }  // namespace tool

@@ -44,12 +44,6 @@ inline CLI::Option* add_list(CLI::App& app, const std::string& names, const char
     return add(app, names, value, description, std::move(set), {}, true);
 }
 
-[[nodiscard]] inline std::string joined(const std::vector<std::string>& names, const char* between) {
-    std::string out;
-    for (const std::string& name : names) out += (out.empty() ? "" : between) + name;
-    return out;
-}
-
 // The same of an option that takes a name of the table.
 template <class Value, std::size_t n, class Name>
 CLI::Option* add_name(CLI::App& app, const char* option, const char* description, const Named<Value> (&table)[n], Name set) {

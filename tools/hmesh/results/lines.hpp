@@ -7,6 +7,7 @@
 #include <string>
 
 #include "arguments/arguments.hpp"
+#include "arguments/files.hpp"
 #include "hmesh/mesh/periodic.hpp"
 #include "hmesh/result.hpp"
 #include "readers/image_file.hpp"

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "arguments/arguments.hpp"
+#include "arguments/files.hpp"
 #include "writers/depfile.hpp"
 #include "writers/output_set.hpp"
 

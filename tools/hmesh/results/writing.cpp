@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "arguments/files.hpp"
 #include "results/mesh_file.hpp"
 #include "results/web_page.hpp"
 #include "results/write_notes.hpp"

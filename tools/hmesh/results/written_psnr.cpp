@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "arguments/files.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/image/premultiply.hpp"
 #include "hmesh/io/detail/export_mesh.hpp"
