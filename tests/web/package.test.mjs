@@ -298,10 +298,11 @@ test('what is no image, no option and no mesh is refused with a sentence that na
       assert.match((await errorOf(call)).message, sentence);
   assert.match((await errorOf(() => hmesh.write(mesh, 'bmp'))).message, /format .*bmp/);
   assert.match((await errorOf(() => hmesh.write(mesh, 'svg', { kind: 'oil' }))).message, /oil/);
-  for (const lattice of [-1, 0.001, 'x', 2 ** 24]) assert.match((await errorOf(() => hmesh.write(mesh, 'hmc', { bare: true, lattice }))).message, /lattice/);
+  for (const lattice of [-1, 0.001, 'x', 2 ** 24, 1n, Symbol('x')]) assert.match((await errorOf(() => hmesh.write(mesh, 'hmc', { bare: true, lattice }))).message, /lattice/);
   for (const colorStep of [-1, 0.5, 'x', 4096])
     assert.match((await errorOf(() => hmesh.write(mesh, 'hmc', { bare: true, lattice: 1, colorStep }))).message, /colorStep/);
   assert.match((await errorOf(() => hmesh.write(mesh, 'html', { original: new Uint8Array(1), originalType: 'a b' }))).message, /media type/);
+  assert.match(new TextDecoder().decode(hmesh.write(mesh, 'html', { title: Symbol('x') })), /<title>Symbol\(x\)<\/title>/);
   assert.match((await errorOf(() => hmesh.render(mesh, { width: 1e6 }))).message, /1000000/);
   for (const file of [undefined, 'text', new Uint8Array(0), new Uint8Array(100)]) assert.ok((await errorOf(() => hmesh.read(file))) instanceof HmeshError);
   const file = hmesh.write(mesh, 'hmc');

@@ -169,6 +169,7 @@ export class Hmesh {
       lattice = 0, colorStep = 0 } = options ?? {};
     if (bare && format !== 'hmc') refuse(`bare is of hmc alone: ${format}`);
     if (bare) {
+      checkRange('lattice', lattice, 0, 65536);
       checkRange('256 times the lattice', 256 * lattice, 0, 2 ** 24, true);
       checkRange('colorStep', colorStep, 0, 4095, true);
     }
@@ -177,7 +178,7 @@ export class Hmesh {
     return this.#run((wasm) => {
       this.#hold(mesh);
       if (bare) return this.#take(wasm.hmesh_write_bare(256 * lattice, colorStep));
-      const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(`${text}`.replace(/\0/g, '') + '\0')));
+      const texts = [title, originalType].map((text) => this.#put(new TextEncoder().encode(String(text).replace(/\0/g, '') + '\0')));
       const originalAt = original && this.#put(original);
       const answer = wasm.hmesh_write(FORMATS.indexOf(format), SVG_KINDS.indexOf(kind), !!wireframe, texts[0], originalAt,
         original?.length, texts[1]);
