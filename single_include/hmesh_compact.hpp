@@ -3963,7 +3963,8 @@ template <class T, int C>
 /// The image that compact_image() works with, shrunk to what is enough to judge by, and its moments.
 template <int C>
 struct CompactReference {
-    Image<std::uint8_t, C> pixels;
+    Image<std::uint8_t, C> pixels;      ///< none where the image itself serves
+    ImageView<std::uint8_t, C> view{};  ///< of these, or of the image
     kit::MomentTable<C> table;
     int width, height;  ///< px, before it was shrunk
 };
@@ -4019,8 +4020,10 @@ class CompactSearch {
         const auto step = [&](const LatticeAxis& axis) {
             return static_cast<double>(axis.step) / per_site * axis.size / static_cast<double>(axis.end);
         };
-        pixels_ = shrunk(image.pixels.view(), lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
+        pixels_ = shrunk(image.view, lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
     }
+
+    [[nodiscard]] const CompactLattice& lattice() const noexcept { return lattice_; }
 
     /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
     /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice
@@ -4086,7 +4089,7 @@ class CompactSearch {
 
   private:
     [[nodiscard]] ImageView<std::uint8_t, C> first_image() const noexcept {
-        return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
+        return lattice_.has_one_image ? image_->view : pixels_.view();
     }
     // What share of the bytes a file takes.
     [[nodiscard]] double share_of(const std::vector<std::uint8_t>& file) const noexcept {
@@ -4167,11 +4170,11 @@ class CompactSearch {
     }
     /// The PSNR of the mesh that bytes hold, drawn as large as the reference.
     [[nodiscard]] double psnr_of(const std::vector<std::uint8_t>& bytes) const {
-        return drawn_psnr(read_file(bytes, *options_).mesh, image_->pixels.view(), *parallel_for_);
+        return drawn_psnr(read_file(bytes, *options_).mesh, image_->view, *parallel_for_);
     }
     /// The same of the mesh as it is drawn without rounding, in a quarter of the time.
     [[nodiscard]] double about_psnr_of(const std::vector<std::uint8_t>& bytes) const {
-        const ImageView<std::uint8_t, C> view = image_->pixels.view();
+        const ImageView<std::uint8_t, C>& view = image_->view;
         Mesh mesh = read_file(bytes, *options_).mesh;
         const double scale[2] = {static_cast<double>(view.width) / mesh.width, static_cast<double>(view.height) / mesh.height};
         for (std::size_t i = 0; i < mesh.positions.size(); ++i)
@@ -4209,6 +4212,8 @@ class CompactSearch {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -4244,7 +4249,7 @@ class CompactChoice {
                   const Annealed& recipe, const ParallelFor& parallel_for)
         : image_(&image), expected_(expected), options_(&options), recipe_(&recipe), parallel_for_(&parallel_for),
           runs_(options.progress), tries_(expected < 600 ? 4 : 1), lattices_(tries_ > 1 ? 2 : 1),
-          is_compared_(lattices_ > 1 || flat_share<C>(image.pixels.view()) > 0.4),
+          is_compared_(lattices_ > 1 || flat_share<C>(image.view) > 0.4),
           is_rough_(!is_compared_ && recipe.effort <= Effort::normal) {}
 
     /// The best file found, with its PSNR but without its mesh; or its status, and no bytes.
@@ -4263,11 +4268,13 @@ class CompactChoice {
     /// A lattice whose sites are this share of the vertices' distance from each other.
     [[nodiscard]] CompactLattice lattice(double share) const {
         const double pixels = static_cast<double>(image_->width) * image_->height;
-        return find_lattice(image_->width, image_->height, image_->pixels.width(), image_->pixels.height(),
+        return find_lattice(image_->width, image_->height, image_->view.width, image_->view.height,
                             share * std::sqrt(pixels / static_cast<double>(expected_)), options_->bare);
     }
-    [[nodiscard]] CompactSearch<C> search(const CompactLattice& lattice) {
-        return CompactSearch<C>(*image_, *options_, lattice, runs_, *parallel_for_);
+    /// The search on a lattice: that of the last time, where it was on the same.
+    [[nodiscard]] CompactSearch<C>& search(const CompactLattice& lattice) {
+        if (!search_ || !(search_->lattice() == lattice)) search_.emplace(*image_, *options_, lattice, runs_, *parallel_for_);
+        return *search_;
     }
     /// What a lattice promises by quick meshes, which found_ has then; 0 if it is that of the last time.
     double look(double share, const Annealed& quick) {
@@ -4334,6 +4341,7 @@ class CompactChoice {
     /// Whether quick meshes tell numbers alone. Where lattices are compared, or time counts less than 0.03 dB, they must be worth
     /// their promise.
     bool is_rough_;
+    std::optional<CompactSearch<C>> search_;
     std::vector<CompactGuess> found_;
     std::size_t chosen_ = 0;  ///< of found_, the best one filled
     CompactImage best_;
@@ -4347,10 +4355,16 @@ template <class T, int C>
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
     while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
-    Image<std::uint8_t, C> shrunken =
-        shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for);
-    kit::MomentTable<C> table(shrunken.view(), shrunken.view().bounds(), parallel_for);
-    return {std::move(shrunken), std::move(table), view.width, view.height};
+    CompactReference<C> out{{}, {}, {}, view.width, view.height};
+    if constexpr (std::is_same_v<T, std::uint8_t>)
+        if (shrink == 1) out.view = view;
+    if (out.view.data == nullptr) {
+        const auto shorter = [&](int side) { return (side + shrink - 1) / shrink; };
+        out.pixels = shrunk(view, shorter(view.width), shorter(view.height), shrink, shrink, parallel_for);
+        out.view = out.pixels.view();
+    }
+    out.table = kit::MomentTable<C>(out.view, out.view.bounds(), parallel_for);
+    return out;
 }
 
 /// compact_image() of a valid view, whose colours are premultiplied already where they are to be.
@@ -4369,7 +4383,8 @@ template <class T, int C>
         out.status = kit::cancelled_by_callback();
         return out;
     }
-    out.psnr = drawn_psnr(out.mesh, view, parallel_for);
+    const bool is_view = image.pixels.size() == 0;  // that was drawn already
+    if (!is_view) out.psnr = drawn_psnr(out.mesh, view, parallel_for);
     return out;
 }
 

@@ -264,6 +264,17 @@ TEST_CASE("the same bytes for any executor") {
     CHECK(compact_image(image.view(), bytes(150), quick(), hmesh_test::ThreadFor{3}).bytes == alone.bytes);
 }
 
+TEST_CASE("the same bytes from rows with anything between them, also bottom up") {
+    constexpr int width = 80, height = 50, row = 3 * width, stride = row + 7;
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(width, height, 1);
+    std::vector<std::uint8_t> stored(std::size_t{stride} * height, 77);
+    for (int y = 0; y < height; ++y) std::copy_n(image.pixel(0, y), row, stored.data() + stride * (height - 1 - y));
+    const hmesh::ImageView<std::uint8_t, 3> view{stored.data() + stride * (height - 1), width, height, -stride};
+    const CompactImage out = compact_image(view, bytes(150), quick());
+    prove(view, bytes(150), out);
+    CHECK(out.bytes == compact_image(image.view(), bytes(150), quick()).bytes);
+}
+
 TEST_CASE("progress never falls and ends at 1; what is cancelled gives no bytes") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(50, 40, 1);
     CompactImageOptions options = bytes(100);

@@ -12,6 +12,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -63,7 +65,7 @@ class CompactChoice {
                   const Annealed& recipe, const ParallelFor& parallel_for)
         : image_(&image), expected_(expected), options_(&options), recipe_(&recipe), parallel_for_(&parallel_for),
           runs_(options.progress), tries_(expected < 600 ? 4 : 1), lattices_(tries_ > 1 ? 2 : 1),
-          is_compared_(lattices_ > 1 || flat_share<C>(image.pixels.view()) > 0.4),
+          is_compared_(lattices_ > 1 || flat_share<C>(image.view) > 0.4),
           is_rough_(!is_compared_ && recipe.effort <= Effort::normal) {}
 
     /// The best file found, with its PSNR but without its mesh; or its status, and no bytes.
@@ -82,11 +84,13 @@ class CompactChoice {
     /// A lattice whose sites are this share of the vertices' distance from each other.
     [[nodiscard]] CompactLattice lattice(double share) const {
         const double pixels = static_cast<double>(image_->width) * image_->height;
-        return find_lattice(image_->width, image_->height, image_->pixels.width(), image_->pixels.height(),
+        return find_lattice(image_->width, image_->height, image_->view.width, image_->view.height,
                             share * std::sqrt(pixels / static_cast<double>(expected_)), options_->bare);
     }
-    [[nodiscard]] CompactSearch<C> search(const CompactLattice& lattice) {
-        return CompactSearch<C>(*image_, *options_, lattice, runs_, *parallel_for_);
+    /// The search on a lattice: that of the last time, where it was on the same.
+    [[nodiscard]] CompactSearch<C>& search(const CompactLattice& lattice) {
+        if (!search_ || !(search_->lattice() == lattice)) search_.emplace(*image_, *options_, lattice, runs_, *parallel_for_);
+        return *search_;
     }
     /// What a lattice promises by quick meshes, which found_ has then; 0 if it is that of the last time.
     double look(double share, const Annealed& quick) {
@@ -153,6 +157,7 @@ class CompactChoice {
     /// Whether quick meshes tell numbers alone. Where lattices are compared, or time counts less than 0.03 dB, they must be worth
     /// their promise.
     bool is_rough_;
+    std::optional<CompactSearch<C>> search_;
     std::vector<CompactGuess> found_;
     std::size_t chosen_ = 0;  ///< of found_, the best one filled
     CompactImage best_;
@@ -166,10 +171,16 @@ template <class T, int C>
     const std::int64_t enough = std::max<std::int64_t>(524288, 80 * expected);
     int shrink = 1;
     while (pixels / (std::int64_t{shrink + 1} * (shrink + 1)) >= enough) ++shrink;
-    Image<std::uint8_t, C> shrunken =
-        shrunk(view, (view.width + shrink - 1) / shrink, (view.height + shrink - 1) / shrink, shrink, shrink, parallel_for);
-    kit::MomentTable<C> table(shrunken.view(), shrunken.view().bounds(), parallel_for);
-    return {std::move(shrunken), std::move(table), view.width, view.height};
+    CompactReference<C> out{{}, {}, {}, view.width, view.height};
+    if constexpr (std::is_same_v<T, std::uint8_t>)
+        if (shrink == 1) out.view = view;
+    if (out.view.data == nullptr) {
+        const auto shorter = [&](int side) { return (side + shrink - 1) / shrink; };
+        out.pixels = shrunk(view, shorter(view.width), shorter(view.height), shrink, shrink, parallel_for);
+        out.view = out.pixels.view();
+    }
+    out.table = kit::MomentTable<C>(out.view, out.view.bounds(), parallel_for);
+    return out;
 }
 
 /// compact_image() of a valid view, whose colours are premultiplied already where they are to be.
@@ -188,7 +199,8 @@ template <class T, int C>
         out.status = kit::cancelled_by_callback();
         return out;
     }
-    out.psnr = drawn_psnr(out.mesh, view, parallel_for);
+    const bool is_view = image.pixels.size() == 0;  // that was drawn already
+    if (!is_view) out.psnr = drawn_psnr(out.mesh, view, parallel_for);
     return out;
 }
 

@@ -67,7 +67,8 @@ template <class T, int C>
 /// The image that compact_image() works with, shrunk to what is enough to judge by, and its moments.
 template <int C>
 struct CompactReference {
-    Image<std::uint8_t, C> pixels;
+    Image<std::uint8_t, C> pixels;      ///< none where the image itself serves
+    ImageView<std::uint8_t, C> view{};  ///< of these, or of the image
     kit::MomentTable<C> table;
     int width, height;  ///< px, before it was shrunk
 };
@@ -123,8 +124,10 @@ class CompactSearch {
         const auto step = [&](const LatticeAxis& axis) {
             return static_cast<double>(axis.step) / per_site * axis.size / static_cast<double>(axis.end);
         };
-        pixels_ = shrunk(image.pixels.view(), lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
+        pixels_ = shrunk(image.view, lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
     }
+
+    [[nodiscard]] const CompactLattice& lattice() const noexcept { return lattice_; }
 
     /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
     /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice
@@ -190,7 +193,7 @@ class CompactSearch {
 
   private:
     [[nodiscard]] ImageView<std::uint8_t, C> first_image() const noexcept {
-        return lattice_.has_one_image ? image_->pixels.view() : pixels_.view();
+        return lattice_.has_one_image ? image_->view : pixels_.view();
     }
     // What share of the bytes a file takes.
     [[nodiscard]] double share_of(const std::vector<std::uint8_t>& file) const noexcept {
@@ -271,11 +274,11 @@ class CompactSearch {
     }
     /// The PSNR of the mesh that bytes hold, drawn as large as the reference.
     [[nodiscard]] double psnr_of(const std::vector<std::uint8_t>& bytes) const {
-        return drawn_psnr(read_file(bytes, *options_).mesh, image_->pixels.view(), *parallel_for_);
+        return drawn_psnr(read_file(bytes, *options_).mesh, image_->view, *parallel_for_);
     }
     /// The same of the mesh as it is drawn without rounding, in a quarter of the time.
     [[nodiscard]] double about_psnr_of(const std::vector<std::uint8_t>& bytes) const {
-        const ImageView<std::uint8_t, C> view = image_->pixels.view();
+        const ImageView<std::uint8_t, C>& view = image_->view;
         Mesh mesh = read_file(bytes, *options_).mesh;
         const double scale[2] = {static_cast<double>(view.width) / mesh.width, static_cast<double>(view.height) / mesh.height};
         for (std::size_t i = 0; i < mesh.positions.size(); ++i)
