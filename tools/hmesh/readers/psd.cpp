@@ -98,10 +98,10 @@ std::string read_planes(Bytes file, const Psd& psd, std::vector<unsigned char>& 
 
 // What is half transparent is stored over white.
 template <class T>
-void take_white_away(T* pixel, std::size_t colors) {
+void take_white_away(T (&pixel)[4], std::size_t colors) {
     constexpr double peak = static_cast<T>(-1);
     const double alpha = pixel[colors] / peak;
-    for (std::size_t c = 0; c < colors && alpha > 0; ++c) {
+    for (std::size_t c = 0; c < std::min<std::size_t>(colors, 3) && alpha > 0; ++c) {
         const double color = peak - (peak - static_cast<double>(pixel[c])) / alpha;
         pixel[c] = static_cast<T>(std::max(0.0, color) + 0.5);
     }
