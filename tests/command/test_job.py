@@ -637,11 +637,12 @@ WRONG = rows("""
     --free-borders is given for a job               | job plan dem.pgm -o x --max-error 1 --free-borders
     --base is given for a job                       | job plan dem.pgm -o x --max-error 1 --base 0
     --skirts is given without --levels              | job plan dem.pgm -o x --max-error 1 --skirts
+    --extent is given without --format terrain      | job plan dem.pgm -o x --max-error 1 --extent 1,2,3,4
+    --heights is given without --format terrain     | job plan dem.pgm -o x --max-error 1 --heights 1,2
     Cesium hangs skirts itself                      | job plan dem.pgm -o x --max-error 1 --skirts --levels 2 --format terrain
     --levels '0' must be                            | job plan dem.pgm -o x --max-error 1 --levels 0
     meet with --border-tolerance alone              | job plan dem.pgm -o x --vertices 9
     --format 'ply' is not one of: glb, terrain      | job plan dem.pgm -o x --max-error 1 --format ply
-    --extent is given without                       | job plan dem.pgm -o x --max-error 1 --extent 1,2,3,4
     two inputs                                      | job plan dem.pgm dem.pgm -o x --max-error 1
     unknown option '--only'                         | job plan dem.pgm -o x --max-error 1 --only
     no folder or no task is given                   | job run x

@@ -398,6 +398,8 @@ std::string find_conflict(const CLI::App& app, JobArguments& job) {
     if (job.has_skirts && job.levels == 1) return "--skirts is given without --levels: tiles of one level meet";
     if (job.has_skirts && dem.format == Format::quantized_mesh)
         return "--skirts is given for .terrain, of which Cesium hangs skirts itself";
+    if (dem.format == Format::glb && (dem.extent || dem.heights))
+        return std::string(dem.extent ? "--extent" : "--heights") + " is given without --format terrain";
     dem.output = job.folder + (dem.format == Format::glb ? "/tiles.glb" : "/tiles.terrain");
     return find_conflict(app, dem);
 }
