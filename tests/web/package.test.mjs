@@ -277,6 +277,7 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     [{ bytes: 300, vertices: 10 }, /vertices, bytes/], [{ bytes: 300, weights: new Float32Array(64 * 48) }, /knows no weights/],
     [{ bare: true }, /bare is of a target in bytes alone: percent/],
     [{ weights: new Float32Array(64 * 48).fill(-1) }, /negative/], [{ weights: new Float32Array(64 * 48).fill(NaN) }, /NaN/],
+    [{ weights: new Float32Array(64 * 48) }, /all zero/],
   ];
   for (const [bad, sentence] of options)
     for (const call of [() => hmesh.meshImage(image, bad), () => mesher.meshImage(bad)]) {

@@ -69,6 +69,7 @@ export function checkOptions(options, image) {
     if (target === 'bytes') refuse('a target in bytes knows no weights');
     if (!isTyped(weights, 'Float32Array') || weights.length !== image.width * image.height)
       refuse(`the weights are no Float32Array of ${image.width} x ${image.height} numbers: ${weights.length}`);
+    if (weights.every((weight) => weight === 0)) refuse('the weights are all zero: no pixel would count');
   }
   return { effort, seed, premultiplied: !!premultiplied, bare: !!bare, weights, [target]: value };
 }
