@@ -24,7 +24,7 @@ export interface Pixels {
 
 /** What a mesh is to be like. One of vertices, percent, psnr and bytes may be given; by default it is 1 percent. */
 export interface MeshOptions {
-  /** Number of vertices, from 4 to the number of pixels. */
+  /** Number of vertices, from 4 to the number of pixels; of a fraction the whole number below. */
   vertices?: number;
   /** Vertices in percent of the pixels, above 0, at most 100. */
   percent?: number;
@@ -41,7 +41,7 @@ export interface MeshOptions {
   effort?: Effort;
   /** Of random numbers, a whole number from 0 to 2^53 - 1; 1 by default. The same image, options and seed give the same bytes. */
   seed?: number;
-  /** How much each pixel counts: numbers >= 0, one a pixel, row after row. Only ratios matter. */
+  /** How much each pixel counts, in PSNRs too: numbers >= 0, not all 0, one a pixel, row after row. Only ratios matter. */
   weights?: Float32Array;
   /** Of images with alpha: the colours are multiplied by it before meshing, and stay so in the mesh, so that edges carry no fringes. */
   premultiplied?: boolean;
@@ -79,7 +79,8 @@ export interface Mesh {
   premultiplied: boolean;
   vertices: number;
   faces: number;
-  /** dB: 10 log10(255^2 / MSE), the MSE over pixels and channels, of the mesh as a GPU draws it at the image's size. NaN of a file. */
+  /** dB: 10 log10(255^2 / MSE), the MSE over pixels, as their weights count, and channels, of the mesh as a GPU draws it at the image's size.
+   * NaN of a file. */
   psnr: number;
   /** Of a target in bytes: the .hmc file, which every build of hmesh can read; read(file, { bare: true }) where it is bare. */
   file?: Bytes;
@@ -150,9 +151,9 @@ export class Hmesh {
   }): Mesh;
   /** The bytes of a file. */
   write(mesh: MeshArrays, format: Format, options?: WriteOptions): Bytes;
-  /** The mesh of an .hmc file; grey becomes RGB, 16 bits become 8, and a periodic mesh one that covers its picture. Files with a
-   * start table, as the command's --bytes makes them without --no-table, are refused, and that colours are for linear light is not
-   * told. */
+  /** The mesh of an .hmc file; grey becomes RGB, 16 bits become 8, and a periodic mesh one that covers its picture and stands
+   * out of it, of which write() makes no .hmc. Files with a start table, as the command's --bytes makes them without --no-table, are
+   * refused, and that colours are for linear light is not told. */
   read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */
   render(mesh: MeshArrays, options?: RenderOptions): Picture;
