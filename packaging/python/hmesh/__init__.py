@@ -50,7 +50,7 @@ def _number_of(name: str, words: Sequence[str], word: object) -> int:
 
 
 class Report(NamedTuple):
-    """What mesh_image() says of its mesh."""
+    """What mesh_image() says of its mesh. With weights a pixel, and a channel, counts with its weight / the largest one."""
 
     vertices: int
     """Number of vertices; of a periodic mesh each counts once."""
@@ -61,7 +61,7 @@ class Report(NamedTuple):
     psnr: float
     """dB: 10 log10(peak^2 / MSE), with the MSE the mean over pixels and channels, of the mesh drawn at its own size."""
     max_error: float
-    """Largest difference to a sample, in stored values."""
+    """Largest difference to a sample, in stored values; samples of weight 0 do not count."""
     stages: list[dict[str, Any]]
     """Name, vertices, energy and psnr after each stage of the method."""
     message: str
