@@ -5,8 +5,8 @@
     mesh.positions, mesh.colors, mesh.faces          # numpy arrays
     mesh.write("picture.glb")
 
-The mesh is that of the C++ library and of the command, byte for byte, for any number of threads. Errors are ValueErrors whose
-sentences name the value and its bound.
+The mesh is that of the C++ library and of the command, byte for byte, for any number of threads. Errors are ValueErrors and
+TypeErrors whose sentences name the value and its bound.
 """
 
 from __future__ import annotations
