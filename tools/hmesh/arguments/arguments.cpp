@@ -423,12 +423,13 @@ void add_tile_options(CLI::App& app, TileJob& out, std::vector<std::string>& inp
     add_plan_options(app, out);
     add_quiet(app, out.quiet, version_words);
     app.option_defaults()->group("How the mesh is made");
-    CLI::Option* vertices = add(app, "--vertices", "N", "the whole mesh has N vertices", [&](const std::string& text) {
-        std::int64_t count = 0;
-        std::string why = parse_in_range(text, 4, std::int64_t{1} << 32, count);
-        out.target = hmesh::Target::vertices(count);
-        return why;
-    });
+    CLI::Option* vertices =
+        add(app, "--vertices", "N", "the whole mesh has N vertices, at most one a sample", [&](const std::string& text) {
+            std::int64_t count = 0;
+            std::string why = parse_in_range(text, 4, std::int64_t{1} << 32, count);
+            out.target = hmesh::Target::vertices(count);
+            return why;
+        });
     add(app, "--rate", "PERCENT", "PERCENT vertices for 100 pixels (default: 1)", [&](const std::string& text) {
         double percent = 0;
         std::string why = parse_positive(text, 100, percent);
