@@ -28,6 +28,7 @@ struct Goer {
     std::vector<std::size_t> asked;
     std::vector<hmesh::kit::Work> works;
     int cancel_at = -1;
+    std::size_t places = std::numeric_limits<std::size_t>::max();  // for vertices: a run of more of them has so many and fails
 
     [[nodiscard]] double psnr_of(double n) const {
         const double doublings = std::log2(n / 1000);
@@ -46,9 +47,10 @@ struct Goer {
         result.report.psnr = psnr_of((from.work == Work::sketch ? sketch : from.work == Work::draft ? draft : 1) * count);
         went_on = from.mesh == nullptr ? 0 : std::min(3, went_on + 1);
         result.report.psnr += won * went_on;
-        result.report.vertices = n;
-        result.mesh.positions.resize(2 * n);
+        result.report.vertices = std::min(n, places);
+        result.mesh.positions.resize(2 * result.report.vertices);
         result.mesh.faces.resize(1);
+        if (n > places) result.status = {Errc::target_out_of_range, "no places"};
         if (static_cast<int>(asked.size()) == cancel_at) result.status = {Errc::cancelled, "cancelled"};
         asked.push_back(n);
         works.push_back(from.work);
@@ -159,4 +161,16 @@ TEST_CASE("where going on from mesh to mesh is stuck below the PSNR, whole runs 
     const Result result = fewest_vertices_going_on(33.0, {0.3, 0}, 250, 6000, 6000, stuck);
     CHECK(result.status);
     CHECK(result.report.psnr >= 33);
+}
+
+TEST_CASE("where a run finds no places for more vertices than are allowed, the mesh of the search has no more than these") {
+    for (const double draft : {0.5, 1.0})
+        for (const double psnr : {31.0, 33.0, 60.0}) {
+            Goer goer;
+            goer.places = 1300;
+            const Result result = fewest_vertices_going_on(psnr, {draft, 0.8}, 250, 1000, 4000, goer);
+            CHECK(result.status.code == Errc::target_out_of_range);
+            CHECK(result.has_mesh());
+            CHECK(result.report.vertices == 1000);
+        }
 }

@@ -78,10 +78,10 @@ class SearchGoingOn {
 
     /// The result of the search.
     [[nodiscard]] HMESH_COLD Result run() {
-        if (!make_drafts() || !make_sketches() || !make_whole()) return std::move(rough_);
+        if (!make_drafts() || !make_sketches() || !make_whole()) return settle(std::move(rough_));
         refine();
         make_more_wholes();
-        return settle();
+        return settle(best_->take());
     }
 
   private:
@@ -245,8 +245,7 @@ class SearchGoingOn {
     }
 
     /// The best result, brought down to the most vertices where it has more.
-    [[nodiscard]] HMESH_COLD Result settle() {
-        Result found = best_->take();
+    [[nodiscard]] HMESH_COLD Result settle(Result found) {
         if (found.report.vertices <= most_ || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
         BestResult bounded(psnr_, most_ < all_, mesh_from_(most_, {&found.mesh, Work::refine}));
         for (int k = 1; k < settlings && bounded.is_ok() && !bounded.is_reached(); ++k)
