@@ -234,15 +234,17 @@ void add_meshing_options(CLI::App& app, Arguments& out) {
             if (std::string why = parse_in_range(text, 4, 256, out.grid); !why.empty()) return why;
             return std::string((out.grid & (out.grid - 1)) == 0 ? "" : "must be a power of two");
         });
-    add(app, "--seed", "N", "of the random numbers, of which draft has none; the same seed gives the same mesh (default: 1)",
+    add(app, "--seed", "N",
+        "of the random numbers, of which draft has none but with --bytes; the same seed gives the same\n"
+        "mesh (default: 1)",
         [&](const std::string& text) { return parse_seed(text, meshing.seed); });
     add(app, "--tile", "N", "mesh in tiles of about N px, 64 to 65536 (default: 128 to 256, by the number of vertices)",
         [&](const std::string& text) { return parse_in_range(text, 64, hmesh::kit::max_side, meshing.tile); });
     app.add_flag_callback(
         "--out-of-core", [&] { out.out_of_core = true; },
         "read the image by rectangles where they are needed, rather than into memory: PGM, PPM, PFM\n"
-        "and TIFF files up to 65536 x 65536, and what GDAL reads; the mesh is the same. For .ply,\n"
-        ".obj and .glb");
+        "and TIFF files up to 65536 x 65536, and what GDAL reads and hmesh does not, as JPEG 2000; the\n"
+        "mesh is the same. For .ply, .obj and .glb");
     add(app, "--threads", "N", "work on N threads, 1 to 1024; the mesh is the same for all N (default: 0, all cores)",
         [&](const std::string& text) { return parse_in_range(text, 0, 1024, out.threads); });
 }
@@ -280,7 +282,7 @@ void add_other_options(CLI::App& app, Arguments& out) {
     add(app, "--render-scale", "N", "at N times the size, 1 to 16 (default: 1)", [&](const std::string& text) {
         return parse_in_range(text, 1, 16, out.render_scale);
     })->needs(render);
-    add(app, "--wireframe", "FILE.png", "draw the mesh with its edges, at twice the size up to 2048 px",
+    add(app, "--wireframe", "FILE.png", "draw the mesh with its edges, at twice the size of images up to 2048 px",
         [&](const std::string& text) { return set_png(text, out.wireframe); });
     add(app, "--residual", "FILE.png", "draw the error: mesh less image, times 4, around grey",
         [&](const std::string& text) { return set_png(text, out.residual); });
@@ -302,7 +304,7 @@ void add_other_options(CLI::App& app, Arguments& out) {
     app.add_flag_callback(
         "--json", [&] { out.json = true; },
         "print the report, one line of JSON for each image, in place of the summary; what failed\n"
-        "has its sentence as status, and no figures");
+        "has its sentence as status, and no figures unless the best mesh short of --psnr is written");
     add_help(app, "print the version, and which image files are read by what");
     add_words(app);
 }
@@ -319,7 +321,8 @@ constexpr Note notes[] = {
     {"Interrupts", "Ctrl-C stops early and leaves files as they are; with --keep-partial the mesh reached so far is written."},
     {"Several maps",
      "images of --with become one mesh with the channels of all, each drawn by --render in a file of its own,\n"
-     "whose name ends in the map's. Samples of 8 bits become 16, and floats where one of the images has floats.\n"
+     "whose name ends in the map's. With more than 4 channels in all samples of 8 bits become 16, and\n"
+     "floats where one of the images has floats; else they are of the widest kind among the images.\n"
      "--psnr is then that of the mesh over the channels of all, by --channel-weights, whatever files round of it."},
     {"Jobs", "images that are more than one machine's work: hmesh job --help."},
     {"Examples",
