@@ -7078,7 +7078,7 @@ namespace hmesh {
 /// Bounds on faces, positions and colours while a mesh is fitted.
 struct MeshLimits {
     /// Twice the smallest area of a face, in px^2, in [1e-4, 0.25]. Slivers that hold no pixel cost no energy but are ugly when
-    /// enlarged; a bound of 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
+    /// enlarged; no bound in this range costs anything measurable (Lena, 1 %).
     double min_double_area = 0.02;
     /// Smallest distance of a free vertex from the image's border, in px, in [1/256, 1/4].
     double border_gap = 1.0 / 32;
@@ -7176,7 +7176,8 @@ struct Target {
         return {Kind::psnr, decibel, max_vertices, {}};
     }
     /// At most n >= 4 vertices, and fewer where these reach a PSNR of `decibel`: 4 of an image of one colour. The status is ok in
-    /// either case. The one run of vertices(n) where the image needs them; else some two more, of fewer vertices.
+    /// either case, if there are places for so many. The one run of vertices(n) where the image needs them; else some two more,
+    /// of fewer vertices.
     [[nodiscard]] static Target at_most(std::int64_t n, double decibel = invisible) noexcept {
         return {Kind::vertices, static_cast<double>(n), {}, decibel};
     }
@@ -7213,7 +7214,7 @@ struct Options {
     /// can do it.
     Periodic periodic = Periodic::none;
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
-    /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
+    /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.3 dB.
     bool straight_border = false;
     /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
     /// at least along each axis, and does not repeat.

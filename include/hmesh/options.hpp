@@ -69,7 +69,8 @@ struct Target {
         return {Kind::psnr, decibel, max_vertices, {}};
     }
     /// At most n >= 4 vertices, and fewer where these reach a PSNR of `decibel`: 4 of an image of one colour. The status is ok in
-    /// either case. The one run of vertices(n) where the image needs them; else some two more, of fewer vertices.
+    /// either case, if there are places for so many. The one run of vertices(n) where the image needs them; else some two more,
+    /// of fewer vertices.
     [[nodiscard]] static Target at_most(std::int64_t n, double decibel = invisible) noexcept {
         return {Kind::vertices, static_cast<double>(n), {}, decibel};
     }
@@ -106,7 +107,7 @@ struct Options {
     /// can do it.
     Periodic periodic = Periodic::none;
     /// Of a periodic image: whether the cut runs along the sides of the image. Else it is jagged, as the faces are: they stand
-    /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.2 dB.
+    /// out of the image's rectangle and leave as much of it free on the other side, for a copy of them. Costs up to 0.3 dB.
     bool straight_border = false;
     /// Where the samples stand in the plane: squares, as pictures have them, or points, as heightmaps do: then the image has two
     /// at least along each axis, and does not repeat.

@@ -4,7 +4,8 @@
 /// Points come first, in no order of their own; then the flips that lead from their Delaunay triangulation to the mesh's; then
 /// colours, each foretold by its neighbours: adaptive binary contexts, mixed, in an arithmetic code. docs/compact.md describes
 /// every bit. What is read back has the same positions, faces and colours, but in the file's order of vertices and faces, which
-/// depends on the mesh alone and not on how it was kept; written again it gives the same bytes.
+/// depends on the mesh alone and not on how it was kept; written again with the same options it gives the same bytes, unless
+/// CompactOptions::color_step makes its colours coarse once more.
 ///
 /// Kept are meshes on the 1/256 px grid, as all of hmesh's are, of 1 to 4 channels: the whole picture or with holes, of periodic
 /// images and of points. Colours are integers of 8 or 16 bits, or the very floats.

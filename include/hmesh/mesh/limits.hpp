@@ -13,7 +13,7 @@ namespace hmesh {
 /// Bounds on faces, positions and colours while a mesh is fitted.
 struct MeshLimits {
     /// Twice the smallest area of a face, in px^2, in [1e-4, 0.25]. Slivers that hold no pixel cost no energy but are ugly when
-    /// enlarged; a bound of 0.02 costs nothing measurable, 1 costs 0.03 dB (Lena, 1 %).
+    /// enlarged; no bound in this range costs anything measurable (Lena, 1 %).
     double min_double_area = 0.02;
     /// Smallest distance of a free vertex from the image's border, in px, in [1/256, 1/4].
     double border_gap = 1.0 / 32;

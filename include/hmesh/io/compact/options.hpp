@@ -22,7 +22,9 @@ struct CompactOptions {
     bool linear = false;
     /// Step of the lattice to which vertices are moved first, in 1/256 px, in [0, 2^25]; 0: they stay. Each goes to the nearest
     /// site that leaves all faces as they lie; where it finds none, Errc::invalid_argument names it, and a finer lattice helps.
-    /// 0.1 mean distances of vertices costs a photograph some 0.3 dB and saves 5 bits and more a vertex. Not of periodic meshes.
+    /// Meshes of photographs have faces too thin for more than some 8 (2 of 8,000 vertices of Lena), which saves 6 bits a vertex:
+    /// for a coarser lattice fit them with MeshLimits::position_step. On one of 64 that costs 0.05 dB and saves 12 bits. Not of
+    /// periodic meshes.
     std::uint32_t lattice = 0;
     /// Step of coarse colours, in 16ths of a 255th of the peak, in [1, 4095], for vertices around which faces have the mean area;
     /// others have steps by one over the root of theirs, within four times. 0: colours are exact. Of 8 bits alone, and not of
