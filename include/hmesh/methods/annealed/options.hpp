@@ -39,7 +39,7 @@ class TiledMesh;
 /// number of threads. The interface of a recipe is described in methods/recipe.hpp, the method in methods/annealed/annealed.hpp.
 struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
-    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none
+    std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none but by compact_image()
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
     /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 400 vertices on average,
     /// or 640 where nothing is annealed, within 128 to 256 px, and 256 px beyond 4194304 pixels. Where a tile would hold less
