@@ -179,7 +179,7 @@ using kit::orient2d;
     // 32 bits hold all: a third of the time.
     const bool is_short = (size | unit) >> 32U == 0;
     const std::uint64_t cotangent = is_short ? static_cast<std::uint32_t>(size) / static_cast<std::uint32_t>(unit) : size / unit;
-    const int k = above[std::min<std::uint64_t>(cotangent, above.size() - 1)];
+    const int k = above[static_cast<std::size_t>(std::min<std::uint64_t>(cotangent, above.size() - 1))];
     return product >= 0 ? k : 63 - k;
 }
 
@@ -1063,14 +1063,14 @@ class SiteCoder {
         const std::uint64_t capacity = std::uint64_t{1} << (halving.levels() - level - 1);
         halves_.assign(2 * counts_.size(), 0);
         std::size_t at = 0;
-        const auto step = [](std::uint64_t from, std::uint64_t digits, bool is_up, std::uint64_t& to) {
+        const auto step = [](std::size_t from, std::uint64_t digits, bool is_up, std::size_t& to) {
             const std::uint64_t own = from & digits;
             if (is_up ? own == digits : own == 0) return false;
-            to = ((is_up ? (from | ~digits) + 1 : own - 1) & digits) | (from & ~digits);
+            to = static_cast<std::size_t>(((is_up ? (from | ~digits) + 1 : own - 1) & digits) | (from & ~digits));
             return true;
         };
         const auto deeper = static_cast<std::size_t>(std::min(halving.levels() - level, 31));
-        for (std::uint64_t cell = 0; cell < counts_.size(); ++cell) {
+        for (std::size_t cell = 0; cell < counts_.size(); ++cell) {
             const std::uint32_t n = counts_[cell];
             if (n == 0) continue;
             Halves may{0, n};
@@ -1079,7 +1079,7 @@ class SiteCoder {
             std::uint32_t first = may.least;
             if (may.least != may.most) {
                 // The cells before it along both axes have been halved, and the one before along both.
-                std::uint64_t there = 0, corner = 0;
+                std::size_t there = 0, corner = 0;
                 std::uint32_t before_second = 0, before = 0, after = 0, side_first = 0, side_second = 0, beyond = 0,
                               corner_half = 0, diagonal = 0;
                 if (step(cell, along, false, there)) {

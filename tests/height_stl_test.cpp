@@ -135,8 +135,11 @@ TEST_CASE("a face without an area has the normal 0, and more faces than a file n
     CHECK(flat >= 2);
     hmesh::MeshView many = mesh.view();
     std::vector<unsigned char> none;
-    many.face_count = std::size_t{1} << 32U;  // of which none is read
-    CHECK(hmesh::write_height_stl(many, hmesh::kit::append_to(none)).limit == 4294967295.0);
+    constexpr std::uint64_t too_many = std::uint64_t{1} << 32U;  // of which none is read
+    if (sizeof(std::size_t) > 4) {
+        many.face_count = static_cast<std::size_t>(too_many);
+        CHECK(hmesh::write_height_stl(many, hmesh::kit::append_to(none)).limit == 4294967295.0);
+    }
     many.face_count = std::size_t{1} << 29U;
     CHECK(hmesh::write_solid_stl(many, 0, hmesh::kit::append_to(none)).limit == 536870911.0);
     many = mesh.view(), many.vertex_count = std::size_t{1} << 31U;

@@ -215,7 +215,7 @@ TEST_CASE("the spans of a face are the pixels that it owns by the top-left rule,
         // Multiples of half a pixel put many centres on edges. Some corners lie outside of what is seen.
         const int step = round % 3 == 0 ? 128 : 1, beyond = round % 2 == 0 ? 0 : 10;
         const auto draw = [&](int size) {
-            const auto places = static_cast<std::uint64_t>((size + 2 * beyond) * 256 / step + 1);
+            const auto places = static_cast<std::size_t>((size + 2 * beyond) * 256 / step + 1);
             return static_cast<std::int64_t>(random.below(places)) * step - 256 * beyond;
         };
         GridPoint corners[3];

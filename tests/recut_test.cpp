@@ -90,10 +90,10 @@ TEST_CASE("a mesh that is cut elsewhere is the same on the torus, and its faces 
 TEST_CASE("vertices that were locked stay in front, and marks of copies come together") {
     IndexedMesh<1> mesh = random_mesh(16, 16, 50, Periodic::xy, 3);
     std::fill(mesh.dirty.begin(), mesh.dirty.end(), static_cast<unsigned char>(0));
-    const std::size_t copy =
-        static_cast<std::size_t>(std::find_if(mesh.roots.begin(), mesh.roots.end(),
-                                              [&](std::uint32_t& root) { return root != &root - mesh.roots.data(); }) -
-                                 mesh.roots.begin());
+    const std::size_t copy = static_cast<std::size_t>(
+        std::find_if(mesh.roots.begin(), mesh.roots.end(),
+                     [&](std::uint32_t& root) { return root != static_cast<std::uint32_t>(&root - mesh.roots.data()); }) -
+        mesh.roots.begin());
     REQUIRE(copy < mesh.vertex_count());
     mesh.dirty[copy] = 1;
     mesh.locked_count = 9;

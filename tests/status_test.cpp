@@ -37,7 +37,7 @@ TEST_CASE("a Status holds numbers of every arithmetic type as doubles, and 0 whe
     const Status bare{Errc::invalid_argument, "the image's data pointer is null"};
     CHECK(bare.value == 0);
     CHECK(bare.limit == 0);
-    const Status mixed{Errc::target_out_of_range, "the rate is too large", 0.25F, std::size_t{1} << 53U};
+    const Status mixed{Errc::target_out_of_range, "the rate is too large", 0.25F, std::uint64_t{1} << 53U};
     CHECK(mixed.value == 0.25);
     CHECK(mixed.limit == 9007199254740992.0);
     const Status negative{Errc::invalid_argument, "the width must be at least 1", std::int64_t{-7}, 1};

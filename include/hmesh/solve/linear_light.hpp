@@ -173,7 +173,9 @@ class LinearLight {
     /// image_sums() likewise.
     [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
         DenseMatrix sums(tied_.vertices.size(), 1);
-        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) { sums(a, 0) += corners_[h.index()].image[0]; });
+        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) {
+            sums(static_cast<std::size_t>(a), 0) += corners_[h.index()].image[0];
+        });
         return sums;
     }
     /// Calls body(h, row of its vertex, row of the next) for all half-edges with a face.

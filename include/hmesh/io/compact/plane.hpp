@@ -55,7 +55,7 @@ using kit::orient2d;
     // 32 bits hold all: a third of the time.
     const bool is_short = (size | unit) >> 32U == 0;
     const std::uint64_t cotangent = is_short ? static_cast<std::uint32_t>(size) / static_cast<std::uint32_t>(unit) : size / unit;
-    const int k = above[std::min<std::uint64_t>(cotangent, above.size() - 1)];
+    const int k = above[static_cast<std::size_t>(std::min<std::uint64_t>(cotangent, above.size() - 1))];
     return product >= 0 ? k : 63 - k;
 }
 

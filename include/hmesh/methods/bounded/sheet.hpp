@@ -80,7 +80,8 @@ HMESH_COLD inline Array<std::uint32_t> separate_fans(Sheet& sheet) {
     Array<std::uint8_t> border(sheet.vertices.size(), 0);
     for (std::size_t k = 0, end = 0; k < sides.size(); k = end) {
         while (end < sides.size() && sides[end] == sides[k]) ++end;
-        if (end - k == 1) border[sides[k] >> 32U] = border[sides[k] & 0xffffffffU] = 1;
+        const auto a = static_cast<std::size_t>(sides[k] >> 32U), b = static_cast<std::size_t>(sides[k] & 0xffffffffU);
+        if (end - k == 1) border[a] = border[b] = 1;
     }
     return border;
 }
