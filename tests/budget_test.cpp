@@ -179,7 +179,7 @@ TEST_CASE("in tiles the cheapest vertices of all go, and new ones come where the
         const std::size_t count = work.count();
         const auto left = left_of(work.indexed());
         CHECK(reach_vertex_count(work.tiled, count - 60, tile, {}));
-        CHECK(left - left_of(work.indexed()) > 40);
+        CHECK(left - left_of(work.indexed()) > 35);  // of 60; 25 if the half did not matter, and compilers differ by some
         const auto now = left_of(work.indexed());
         CHECK(reach_vertex_count(work.tiled, count + 60, tile, {}));
         CHECK(left_of(work.indexed()) - now < 12);

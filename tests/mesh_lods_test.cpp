@@ -152,7 +152,8 @@ TEST_CASE("levels are as good as meshes of their own, on average over pictures a
                     lods.levels[k].report.psnr - hmesh::mesh_image(image.view(), vertices(n), Annealed{effort, seed}).report.psnr;
             }
         }
-        CHECK(gain / 12 > -0.12);  // a seed more or less is worth as much
+        // A seed more or less is worth 0.1; few vertices get more sweeps than fast has for a mesh of their own.
+        CHECK(gain / 12 > (effort == Effort::fast ? 0.2 : -0.12));
     }
 }
 

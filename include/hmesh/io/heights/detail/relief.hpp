@@ -57,6 +57,7 @@ using Vector3 = std::array<double, 3>;
 }
 /// Twice the area of a triangle, along its normal: towards where it is counter-clockwise.
 [[nodiscard]] inline Vector3 area_normal(const Vector3& a, const Vector3& b, const Vector3& c) noexcept {
+    if (b == c) return {};  // contracted products leave rounding
     return cross(difference(b, a), difference(c, a));
 }
 
