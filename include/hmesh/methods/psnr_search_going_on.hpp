@@ -78,10 +78,13 @@ class SearchGoingOn {
 
     /// The result of the search.
     [[nodiscard]] HMESH_COLD Result run() {
-        if (!make_drafts() || !make_sketches() || !make_whole()) return settle(std::move(rough_));
-        refine();
-        make_more_wholes();
-        return settle(best_->take());
+        if (make_drafts() && make_sketches() && make_whole()) {
+            refine();
+            make_more_wholes();
+            rough_ = best_->take();
+        }
+        settle(rough_);
+        return std::move(rough_);
     }
 
   private:
@@ -244,13 +247,13 @@ class SearchGoingOn {
         }
     }
 
-    /// The best result, brought down to the most vertices where it has more.
-    [[nodiscard]] HMESH_COLD Result settle(Result found) {
-        if (found.report.vertices <= most_ || !(found.status || found.status.code == Errc::target_out_of_range)) return found;
+    /// Brings what was found down to the most vertices where it has more.
+    HMESH_COLD void settle(Result& found) {
+        if (found.report.vertices <= most_ || !(found.status || found.status.code == Errc::target_out_of_range)) return;
         BestResult bounded(psnr_, most_ < all_, mesh_from_(most_, {&found.mesh, Work::refine}));
         for (int k = 1; k < settlings && bounded.is_ok() && !bounded.is_reached(); ++k)
             bounded.offer(mesh_from_(most_, {&bounded.mesh(), Work::refine}));
-        return bounded.take();
+        found = bounded.take();
     }
 
     double psnr_;
@@ -261,7 +264,7 @@ class SearchGoingOn {
     std::size_t limit_;  ///< the most vertices of a run
     std::size_t n_;      ///< vertices of the last run, or of the next as far as it is known
     std::optional<PsnrCurve> curve_;
-    Result rough_;  ///< of drafts and sketches the last but the very last; without a mesh at first
+    Result rough_;  ///< of drafts and sketches the last but the very last, without a mesh at first; in the end what is returned
     std::optional<BestResult> best_;
     Mesh last_;                   ///< the mesh of the last run
     double reached_ = 0;          ///< its PSNR
