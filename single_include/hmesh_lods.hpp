@@ -186,7 +186,7 @@ inline Status write_glb_lods(const std::vector<MeshView>& levels, Sink sink, con
 /// error least are removed, and a few sweeps of annealing let those that are left find their places. Levels share no vertices:
 /// each is as good as a mesh of its own. lods/progressive_mesh.hpp makes levels that share one vertex buffer.
 ///
-/// Cost: of efforts normal, fine and fast, all coarser levels together take 0.3 to 0.5 of the processor time of as many meshes
+/// Cost: of efforts normal, fine and fast, all coarser levels together take 0.3 to 0.55 of the processor time of as many meshes
 /// of mesh_image(), as benchmarks/lods measures it: half of what the first level takes, or less. All of them share one moment
 /// table.
 #ifndef HMESH_LODS_MESH_LODS_HPP

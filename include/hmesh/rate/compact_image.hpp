@@ -89,7 +89,7 @@ class CompactChoice {
     }
     /// The search on a lattice: that of the last time, where it was on the same.
     [[nodiscard]] CompactSearch<C>& search(const CompactLattice& lattice) {
-        if (!search_ || !(search_->lattice() == lattice)) search_.emplace(*image_, *options_, lattice, runs_, *parallel_for_);
+        if (!search_ || !search_->is_on(lattice)) search_.emplace(*image_, *options_, lattice, runs_, *parallel_for_);
         return *search_;
     }
     /// What a lattice promises by quick meshes, which found_ has then; 0 if it is that of the last time.

@@ -127,7 +127,10 @@ class CompactSearch {
         pixels_ = shrunk(image.view, lattice.x.pixels, lattice.y.pixels, step(lattice.x), step(lattice.y), parallel_for);
     }
 
-    [[nodiscard]] const CompactLattice& lattice() const noexcept { return lattice_; }
+    /// Whether it is the search on this lattice, by the same pixels.
+    [[nodiscard]] bool is_on(const CompactLattice& lattice) const noexcept {
+        return lattice == lattice_ && lattice.per_site == lattice_.per_site && lattice.has_one_image == lattice_.has_one_image;
+    }
 
     /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
     /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice

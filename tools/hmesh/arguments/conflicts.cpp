@@ -65,12 +65,12 @@ std::string find_format_conflict(const Said& said) {
 std::string find_depfile_conflict(const Said& said) {
     const Arguments& arguments = said.arguments;
     if (arguments.depfile.empty()) return {};
-    if (reads_standard_input(arguments, said.inputs) || writes_standard_output(arguments))
-        return "--depfile is given with -, which is no file";
-    if (output_files(arguments).size() == 1) return "--depfile is given without another output";
+    const std::vector<std::string> outputs = output_files(arguments);
     std::vector<std::string> names = said.inputs;
-    for (const std::vector<std::string>& more : {output_files(arguments), input_files(arguments)})
+    for (const std::vector<std::string>& more : {outputs, input_files(arguments)})
         names.insert(names.end(), more.begin(), more.end());
+    if (std::any_of(names.begin(), names.end(), is_standard)) return "--depfile is given with -, which is no file";
+    if (outputs.size() == 1) return "--depfile is given without another output";
     for (const std::string& name : names)
         if (!is_make_name(name))
             return "--depfile is given with '" + name +

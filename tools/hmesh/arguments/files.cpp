@@ -72,12 +72,6 @@ bool writes_standard_output(const Arguments& arguments) {
     return std::any_of(files.begin(), files.end(), is_standard);
 }
 
-bool reads_standard_input(const Arguments& arguments, const std::vector<std::string>& inputs) {
-    const auto is_standard_map = [](const OtherMap& map) { return is_standard(map.file); };
-    return is_standard(arguments.weights) || std::any_of(inputs.begin(), inputs.end(), is_standard) ||
-           std::any_of(arguments.others.begin(), arguments.others.end(), is_standard_map);
-}
-
 bool has_output(const Arguments& arguments, const std::string& ending) {
     return std::any_of(arguments.meshes.begin(), arguments.meshes.end(),
                        [&](const MeshFile& mesh) { return mesh.ending == ending; });

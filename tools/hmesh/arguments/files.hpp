@@ -21,9 +21,6 @@ namespace tool {
 // Whether the standard output is one of them.
 [[nodiscard]] bool writes_standard_output(const Arguments& arguments);
 
-// Whether the standard input is read: as an image, one of these, or beside them.
-[[nodiscard]] bool reads_standard_input(const Arguments& arguments, const std::vector<std::string>& inputs);
-
 // Whether a mesh is to be written with this ending.
 [[nodiscard]] bool has_output(const Arguments& arguments, const std::string& ending);
 

@@ -47,8 +47,6 @@ inline CLI::Option* add_list(CLI::App& app, const std::string& names, const char
 // The same of an option that takes a name of the table.
 template <class Value, std::size_t n, class Name>
 CLI::Option* add_name(CLI::App& app, const char* option, const char* description, const Named<Value> (&table)[n], Name set) {
-    std::vector<std::string> names;
-    for (const Named<Value>& entry : table) names.emplace_back(entry.name);
     return add(
         app, option, "NAME", description,
         [&table, set](const std::string& text) {
@@ -57,7 +55,7 @@ CLI::Option* add_name(CLI::App& app, const char* option, const char* description
             if (why.empty()) set(value);
             return why;
         },
-        joined(names, " "));
+        joined(names_of(table), " "));
 }
 
 // What is asked for instead of a run. Thrown by the option at once, whatever is wrong with the rest of the command line.
