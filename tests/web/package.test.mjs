@@ -2,7 +2,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { readFile } from 'node:fs/promises';
-import { pathToFileURL } from 'node:url';
+import { relative } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
 import { Worker } from 'node:worker_threads';
 import { brotliCompressSync } from 'node:zlib';
 import { hash, hashOf, picture } from './pictures.mjs';
@@ -287,7 +288,7 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     }
   const mesh = hmesh.meshImage(image, { vertices: 50 });
   const meshes = [
-    [undefined, /positions/], [{ ...mesh, positions: [] }, /positions/], [{ ...mesh, colors: new Uint8Array(3) }, /fit together/],
+    [undefined, /no mesh/], [{}, /positions/], [{ ...mesh, positions: [] }, /positions/], [{ ...mesh, colors: new Uint8Array(3) }, /fit together/],
     [{ ...mesh, indices: new Uint32Array(4) }, /fit together/], [{ ...mesh, positions: mesh.positions.slice(1) }, /fit together/],
     [{ ...mesh, indices: mesh.indices.map(() => 50) }, /names no vertex/], [{ ...mesh, positions: mesh.positions.map(() => NaN) }, /NaN/],
     [{ ...mesh, width: 0 }, /width/], [{ ...mesh, height: 1e9 }, /height/], [{ ...mesh, channels: 2 }, /channels/],
@@ -313,7 +314,7 @@ test('what is no image, no option and no mesh is refused with a sentence that na
     assert.ok((await errorOf(() => hmesh.read(damaged))) instanceof HmeshError);
   }
   assert.match((await errorOf(() => new Mesher().meshImage())).message, /no image/);
-  for (const call of [() => new Mesher().write('ply'), () => new Mesher().render()]) assert.match((await errorOf(call)).message, /positions/);
+  for (const call of [() => new Mesher().write('ply'), () => new Mesher().render()]) assert.match((await errorOf(call)).message, /no mesh/);
   for (const call of [() => mesher.write(undefined, { mesh }), () => mesher.write('', { mesh })]) assert.match((await errorOf(call)).message, /format .*none of/);
   assert.match((await errorOf(() => mesher.read())).message, /bytes of a file/);
   assert.equal(hashOf(hmesh.meshImage(image, { vertices: 50 })), hashOf(mesh));
@@ -442,10 +443,12 @@ test('a helper that traps ends the call, which does not tell of memory', async (
 test('the module comes from bytes, an address, an answer or a promise, and what is none is refused', async () => {
   const url = new URL('hmesh.wasm', folder), bytes = await readFile(url);
   const answer = new Response(bytes, { headers: { 'content-type': 'application/wasm' } }), plain = new Response(bytes);
-  for (const source of [bytes, new Uint8Array(bytes).buffer, url, url.href, answer, plain, Promise.resolve(bytes)])
+  const path = fileURLToPath(url), paths = [path, relative(process.cwd(), path)];
+  for (const source of [bytes, new Uint8Array(bytes).buffer, url, url.href, ...paths, answer, plain, Promise.resolve(bytes)])
     assert.equal((await load(source)).meshImage(image, { vertices: 50 }).vertices, 50);
   assert.match((await errorOf(() => load(new Response('', { status: 404 })))).message, /404/);
   assert.ok(await errorOf(() => load(new URL('none.wasm', folder))));
+  assert.match((await errorOf(() => load('none.wasm'))).message, /none\.wasm/);
   assert.ok(await errorOf(() => load(new Uint8Array(8))));
   assert.match((await errorOf(() => load(42))).message, /42/);
 });

@@ -133,8 +133,9 @@ export class HmeshError extends Error {
     | 'internal' | (string & {});
 }
 
-/** Where hmesh.wasm comes from: its bytes, a module, an address, or the answer of fetch(). hmesh.meshing.wasm, two thirds as large, makes the same
- * meshes and refuses to write(), read() and render(); hmesh.compact.wasm refuses that too, and knows targets in bytes. */
+/** Where hmesh.wasm comes from: its bytes, a module, an address (in node and deno also a path), or the answer of fetch(). hmesh.meshing.wasm, two
+ * thirds as large, makes the same meshes and refuses to write(), read() and render(); hmesh.compact.wasm refuses that too, and knows targets in
+ * bytes. */
 export type Source = WebAssembly.Module | BufferSource | URL | string | Response;
 
 /** One instance of hmesh. All calls are synchronous, and all of them may throw an HmeshError, after which it can be used as before. */

@@ -308,7 +308,8 @@ export class Hmesh {
 
   // Hands a mesh to the functions of C, which check its numbers.
   #hold(mesh) {
-    const { positions, colors, indices, width, height, channels = 3, premultiplied = false } = mesh ?? {};
+    if (mesh == null) refuse('there is no mesh: meshImage() or read() makes one');
+    const { positions, colors, indices, width, height, channels = 3, premultiplied = false } = mesh;
     for (const [array, type, name] of [[positions, 'Float32Array', 'positions'], [colors, 'Uint8Array', 'colors'],
       [indices, 'Uint32Array', 'indices']])
       if (!isTyped(array, type)) refuse(`the mesh's ${name} are no ${type}`);

@@ -30,7 +30,7 @@ export class Mesher {
   /** Makes a mesh of the image. */
   meshImage(options?: WorkOptions): Promise<EffortMesh>;
   /** Gives the mesh of the image as it grows, some 40 times at most: soon a first one, with up to three times the vertices asked for; last
-   * the one that meshImage() makes, which alone is `complete`. Leaving the loop stops the work. */
+   * the one that meshImage() makes, which alone may be `complete`. Leaving the loop stops the work. */
   refine(options?: WorkOptions): AsyncGenerator<EffortMesh, void, void>;
   /** The bytes of a file of the last mesh, that of the call before this one, or of another one. */
   write(format: Format, options?: WriteOptions & { mesh?: MeshArrays; signal?: AbortSignal }): Promise<Bytes>;
@@ -56,5 +56,6 @@ export interface Setup {
   maximumMemory?: number;
 }
 
-/** Sets up what is not to be as it is by default, for the Meshers that work from then on, and compiles the module. */
+/** Sets up what is not to be as it is by default, for the Meshers that work from then on, and compiles the module. What is left out stays
+ * as it was set up before. */
 export function init(setup?: Setup): Promise<void>;
