@@ -2,7 +2,9 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <initializer_list>
@@ -50,4 +52,25 @@ TEST_CASE("is_within includes the ends and refuses what is no number") {
     CHECK_FALSE(hmesh::kit::is_within(std::numeric_limits<double>::quiet_NaN(), 0, 1));
     constexpr double infinity = std::numeric_limits<double>::infinity();
     CHECK_FALSE(hmesh::kit::is_within(infinity, 0, infinity));
+}
+
+TEST_CASE("as_float keeps what a float keeps, of neighbours too") {
+    const auto stored = [](const std::array<double, 2>& at) {
+        return std::array<double, 2>{hmesh::kit::as_float(at[0]), hmesh::kit::as_float(at[1])};
+    };
+    hmesh::kit::Random random(2);
+    int wrong = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const std::array<double, 2> at = {5e6 * random.uniform(), -random.uniform()}, kept = stored(at);
+        for (std::size_t k = 0; k < 2; ++k) {
+            const float nearest = static_cast<float>(at[k]);  // in memory, for std::nextafter()
+            const double apart = std::fabs(kept[k] - at[k]);
+            for (const float other : {std::nextafter(nearest, -1e9F), nearest, std::nextafter(nearest, 1e9F)})
+                wrong += std::fabs(static_cast<double>(other) - at[k]) < apart;
+            wrong += static_cast<double>(static_cast<float>(kept[k])) != kept[k];
+        }
+    }
+    CHECK(wrong == 0);
+    CHECK(stored({0.1, 0.2})[0] != 0.1);
+    CHECK(hmesh::kit::as_float(0.5) == 0.5);
 }

@@ -81,7 +81,7 @@ struct GlbGrid {
 
     /// The number stored for a coordinate in px, y up; an integer if quantised. `axis`: 0 for x, 1 for y.
     [[nodiscard]] double stored(double value, std::size_t axis) const noexcept {
-        if (!is_quantized) return static_cast<double>(static_cast<float>(value));
+        if (!is_quantized) return kit::as_float(value);
         return std::min(65535.0, std::floor((value - origin[axis]) / step + 0.5));
     }
 };

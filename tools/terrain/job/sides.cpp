@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <hmesh/core/finite.hpp>
+
 namespace terrain {
 namespace {
 
@@ -14,10 +16,10 @@ double place_of(const Plan& plan, const TaskName& task, Side side) {
     const Tile tile = tile_of(plan, task);
     if (side == Side::west || side == Side::east) {
         const int column = tile.column + (is_far ? tile.width - 1 : 0);
-        return static_cast<double>(static_cast<float>(frame.x_origin + frame.x_step * column));
+        return hmesh::kit::as_float(frame.x_origin + frame.x_step * column);
     }
     const int row = tile.row + (is_far ? 0 : tile.height - 1);
-    return static_cast<double>(static_cast<float>(frame.y_origin - frame.y_step * row));
+    return hmesh::kit::as_float(frame.y_origin - frame.y_step * row);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ inline void bound_heights(std::size_t count, FunctionRef<Vector3(std::size_t ver
     for (std::size_t v = 0; v < count; ++v) {
         const Vector3 at = position(v);
         for (std::size_t k = 0; k < 3; ++k) {
-            const auto stored = static_cast<double>(static_cast<float>(at[k]));
+            const double stored = kit::as_float(at[k]);
             array.low[k] = std::min(array.low[k], stored);
             array.high[k] = std::max(array.high[k], stored);
         }

@@ -49,7 +49,7 @@ inline void write_stl_head(Writer& writer, std::uint64_t faces) {
 inline void write_stl_face(Writer& writer, const Corners3& corners) {
     Corners3 stored{};
     for (std::size_t k = 0; k < 3; ++k)
-        for (std::size_t axis = 0; axis < 3; ++axis) stored[k][axis] = static_cast<double>(static_cast<float>(corners[k][axis]));
+        for (std::size_t axis = 0; axis < 3; ++axis) stored[k][axis] = kit::as_float(corners[k][axis]);
     for (const double part : unit(area_normal(stored[0], stored[1], stored[2]), {})) writer.f32(static_cast<float>(part));
     for (const Vector3& corner : stored)
         for (const double coordinate : corner) writer.f32(static_cast<float>(coordinate));
@@ -74,8 +74,7 @@ inline void write_stl_face(Writer& writer, const Corners3& corners) {
             const std::array<double, 2> shift = walls.shift(f, v);
             if (shift == std::array<double, 2>{}) continue;
             const Vector3 at = on_map.position(v, shift);
-            moved.push_back({static_cast<double>(static_cast<float>(at[0])), static_cast<double>(static_cast<float>(at[1])),
-                             shift[0], shift[1]});
+            moved.push_back({kit::as_float(at[0]), kit::as_float(at[1]), shift[0], shift[1]});
         }
     std::sort(moved.begin(), moved.end());
     for (std::size_t i = 1; i < moved.size(); ++i)
