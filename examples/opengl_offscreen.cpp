@@ -158,7 +158,7 @@ int main(int argc, char** argv) {
     Picture picture = made_picture();
     hmesh::Options options;
     options.premultiplied = argc < 2;
-    options.target = hmesh::Target::vertices(argc > 2 ? static_cast<std::size_t>(std::atoll(argv[2])) : 1500);
+    options.target = hmesh::Target::vertices(argc > 2 ? std::atoll(argv[2]) : 1500);
     if (argc > 1) {
         int width = 0, height = 0;
         unsigned char* const pixels = stbi_load(argv[1], &width, &height, nullptr, 4);

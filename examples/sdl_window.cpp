@@ -24,7 +24,7 @@ int main(int argc, char** argv) {
         return 1;
     }
     hmesh::Options options;
-    if (argc == 3) options.target = hmesh::Target::vertices(static_cast<std::size_t>(std::atoll(argv[2])));
+    if (argc == 3) options.target = hmesh::Target::vertices(std::atoll(argv[2]));
     const hmesh::ImageView<std::uint8_t, 3> image{pixels, width, height};
     const auto result = hmesh::mesh_image(image, options, hmesh::Annealed{hmesh::Effort::draft});
     stbi_image_free(pixels);

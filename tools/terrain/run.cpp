@@ -66,7 +66,7 @@ std::string remove_former(const std::string& file) {
 class Run {
   public:
     Run(const Arguments& arguments, Dem& dem, tool::ProgressWatch& watch)
-        : arguments_(arguments), dem_(dem), watch_(watch), maker_(arguments, dem) {}
+        : arguments_(arguments), watch_(watch), maker_(arguments, dem) {}
 
     // Returns "" or what went wrong, a sentence.
     [[nodiscard]] std::string prepare();
@@ -85,7 +85,6 @@ class Run {
     void tell_done(std::size_t vertices);
 
     const Arguments& arguments_;
-    Dem& dem_;
     tool::ProgressWatch& watch_;
     TileMaker maker_;
     std::mutex telling_;

@@ -1,4 +1,5 @@
 // PNG files of one channel, up to 16 bits.
+#include <cstdint>
 #include <limits>
 #include <vector>
 
@@ -21,7 +22,7 @@ std::string open_png(const std::string& path, const ReadOptions& options, DemPoi
     // Pictures are turned upright and stretched to 8 bits: heights are as the file has them.
     const int way = image.orientation;
     tool::turn_upright(static_cast<unsigned>(way == 6 ? 8 : way == 8 ? 6 : way), image);
-    const int depth = file.u8(24);
+    const std::uint32_t depth = file.u8(24);
     const int stretch = depth < 8 ? 255 / ((1 << depth) - 1) : 1;
     auto grid = std::make_unique<GridMemory>();
     grid->width = image.width;
