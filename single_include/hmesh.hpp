@@ -398,7 +398,7 @@ namespace detail {
     return value;
 }
 /// Positive infinity.
-[[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+[[nodiscard]] inline double infinite() noexcept { return double_of_bits(0x7FF0000000000000U); }
 /// A quiet NaN.
 [[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 
@@ -6706,7 +6706,7 @@ namespace hmesh::kit {
 /// channels, so that the MSE is the mean over pixels AND channels. Infinity for energies <= 0 (rounding may leave a negative
 /// sum).
 [[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
-    return energy <= 0 ? detail::infinity() : 10 * std::log10(peak * peak * samples / energy);
+    return energy <= 0 ? detail::infinite() : 10 * std::log10(peak * peak * samples / energy);
 }
 
 }  // namespace hmesh::kit
@@ -7695,8 +7695,8 @@ class EdgeWalker {
 /// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
 /// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
 struct FarSides {
-    double right = std::numeric_limits<double>::infinity(),  ///< x of the right side, px: that of the last column's centres
-        bottom = std::numeric_limits<double>::infinity();    ///< y of the lower side, px: that of the last row's centres
+    double right = detail::infinite(),  ///< x of the right side, px: that of the last column's centres
+        bottom = detail::infinite();    ///< y of the lower side, px: that of the last row's centres
 
     /// The first row whose centre is not above y, or the one after the last for the lower side.
     [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }
@@ -8026,9 +8026,9 @@ class MomentTable {
     }
     /// What Kind::largest is of samples of a type.
     template <class T>
-    [[nodiscard]] static constexpr double largest_sample() noexcept {
+    [[nodiscard]] static double largest_sample() noexcept {
         using Traits = PixelTraits<T>;
-        if constexpr (!Traits::is_integer) return std::numeric_limits<double>::infinity();
+        if constexpr (!Traits::is_integer) return detail::infinite();
         else return std::max(Traits::highest, -Traits::lowest);
     }
 
@@ -12778,8 +12778,8 @@ class PolylineFinder {
                 if (chords[i] != reached) continue;
                 next = std::max(next, i + 1);
                 while (chords[next] != unknown) ++next;
-                low_.assign(channels_, -std::numeric_limits<double>::infinity());
-                high_.assign(channels_, std::numeric_limits<double>::infinity());
+                low_.assign(channels_, -detail::infinite());
+                high_.assign(channels_, detail::infinite());
                 std::size_t passed = i + 1;
                 for (std::size_t k = next; k < std::min(count, i + longest_chord + 1); ++k) {
                     if (chords[k] != unknown) continue;

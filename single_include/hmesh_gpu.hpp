@@ -1429,7 +1429,6 @@ struct Contours {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -1525,7 +1524,7 @@ template <class IsGood, class Cost>
     if (!(p.x > within.left - 2.0 && p.x < within.right + 2.0 && p.y > within.top - 2.0 && p.y < within.bottom + 2.0)) return {};
     const auto x = static_cast<std::int32_t>(std::floor(p.x)), y = static_cast<std::int32_t>(std::floor(p.y));
     std::optional<GridPoint> best;
-    double least = std::numeric_limits<double>::infinity();
+    double least = detail::infinite();
     for (std::int32_t j = y - 1; j <= y + 2; ++j)
         for (std::int32_t i = x - 1; i <= x + 2; ++i) {
             const GridPoint candidate{i, j};
@@ -1899,7 +1898,6 @@ class Polygons {
 #define HMESH_OUTLINE_OFFERS_HPP
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <queue>
 #include <vector>
@@ -1937,9 +1935,7 @@ class Offers {
         return {};
     }
     /// None that waits is cheaper than this; it may be the price of one that counts no more.
-    [[nodiscard]] double least_price() const {
-        return waiting_.empty() ? std::numeric_limits<double>::infinity() : waiting_.top().price;
-    }
+    [[nodiscard]] double least_price() const { return waiting_.empty() ? detail::infinite() : waiting_.top().price; }
 
   private:
     std::priority_queue<Offer> waiting_;
@@ -1971,7 +1967,6 @@ class Offers {
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -2065,9 +2060,9 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, CornerRemo
 /// Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself, but for these corners.
 [[nodiscard]] inline bool swallow(const Polygons& polygons, const std::array<GridPoint, 3>& triangle,
                                   const std::array<std::uint32_t, 4>& own, CornerRemoval& removal) {
-    const auto& [a, b, c] = triangle;
+    const GridPoint a = triangle[0], b = triangle[1], c = triangle[2];
     const std::uint32_t home = polygons.loop_of(own[0]);
-    return polygons.visit_sides(GridBox(a).add(b).add(c), [&, a = a, b = b, c = c](std::uint32_t s) {
+    return polygons.visit_sides(GridBox(a).add(b).add(c), [&](std::uint32_t s) {
         if (std::find(own.begin(), own.end(), s) != own.end() || !is_in_triangle(a, b, c, polygons.at(s))) return true;
         const std::uint32_t loop = polygons.loop_of(s);
         if (loop == home) return false;
@@ -2345,13 +2340,11 @@ class BestLine {
 template <class MayBe>
 [[nodiscard]] bool is_clear(const Polygons& polygons, const ThreeSides& s, const std::array<GridPoint, 3>& triangle,
                             MayBe&& may_be) {
-    const auto& [t, u, w] = triangle;
+    const GridPoint t = triangle[0], u = triangle[1], w = triangle[2];
     const GridBox box = GridBox(t).add(u).add(w);
-    return polygons.visit_sides(box, [&, t = t, u = u, w = w](std::uint32_t v) {
+    return polygons.visit_sides(box, [&](std::uint32_t v) {
         return v == s.before || v == s.from || v == s.to || v == s.last || !is_in_triangle(t, u, w, polygons.at(v));
-    }) && polygons.visit_contours(box, [&, t = t, u = u, w = w](GridPoint p, GridPoint /*next*/) {
-        return !is_in_triangle(t, u, w, p) || may_be(p);
-    });
+    }) && polygons.visit_contours(box, [&](GridPoint p, GridPoint /*next*/) { return !is_in_triangle(t, u, w, p) || may_be(p); });
 }
 
 /// Whether a side of the contours crosses the segment from p to q.

@@ -1729,7 +1729,6 @@ template <class T, int C>
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
-#include <limits>
 
 namespace hmesh {
 
@@ -1753,11 +1752,11 @@ struct Bounded {
     /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
-    double border_error = std::numeric_limits<double>::infinity();
+    double border_error = kit::detail::infinite();
     /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
     /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
     /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
-    double inside_error = std::numeric_limits<double>::infinity();
+    double inside_error = kit::detail::infinite();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
@@ -1961,7 +1960,6 @@ struct Wide {
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 namespace hmesh::kit {
@@ -2126,7 +2124,7 @@ struct ScaledPlane {
         if (row < 0) continue;
         worst = {most / area - plane.slack, first, row};
         // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
-        double largest = -std::numeric_limits<double>::infinity();
+        double largest = -detail::infinite();
         for (int i = first; i < last; ++i) {
             const double difference =
                 std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base)) -

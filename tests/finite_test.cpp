@@ -40,7 +40,7 @@ TEST_CASE_TEMPLATE("is_finite and is_nan agree with the standard library", T, fl
 }
 
 TEST_CASE("numbers made of bits are what they are called") {
-    CHECK(hmesh::kit::detail::infinity() == std::numeric_limits<double>::infinity());
+    CHECK(hmesh::kit::detail::infinite() == std::numeric_limits<double>::infinity());
     CHECK(std::isnan(hmesh::kit::detail::nan()));
 }
 

@@ -126,8 +126,9 @@ TEST_CASE("faces have the largest factors that they may, or smaller ones that sp
     CHECK(pieces(chosen) + 800 * cuts(chosen) < pieces(alone) + 800 * cuts(alone));
     // Nor does any face but a few gain by another choice: all have chosen some times over.
     int unhappy = 0;
-    for (const auto& [face, factor] : chosen) {
-        const auto cost = [&, face = face](int of) {
+    for (const auto& [triangle, factor] : chosen) {
+        const hmesh::Triangle face = triangle;
+        const auto cost = [&](int of) {
             double sum = shading_pieces(range(mesh, face), of);
             for (const auto& side : {std::array<std::uint32_t, 2>{face[0], face[1]}, {face[0], face[2]}, {face[1], face[2]}})
                 for (const hmesh::Triangle& other : sides.at(side)) sum += other != face && chosen.at(other) != of ? 800 : 0;

@@ -42,7 +42,7 @@ namespace detail {
     return value;
 }
 /// Positive infinity.
-[[nodiscard]] inline double infinity() noexcept { return double_of_bits(0x7FF0000000000000U); }
+[[nodiscard]] inline double infinite() noexcept { return double_of_bits(0x7FF0000000000000U); }
 /// A quiet NaN.
 [[nodiscard]] inline double nan() noexcept { return double_of_bits(0x7FF8000000000000U); }
 

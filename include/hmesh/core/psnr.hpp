@@ -15,7 +15,7 @@ namespace hmesh::kit {
 /// channels, so that the MSE is the mean over pixels AND channels. Infinity for energies <= 0 (rounding may leave a negative
 /// sum).
 [[nodiscard]] inline double psnr_of_energy(double energy, double samples, double peak) noexcept {
-    return energy <= 0 ? detail::infinity() : 10 * std::log10(peak * peak * samples / energy);
+    return energy <= 0 ? detail::infinite() : 10 * std::log10(peak * peak * samples / energy);
 }
 
 }  // namespace hmesh::kit

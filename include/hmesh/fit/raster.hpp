@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/samples.hpp"
@@ -57,8 +58,8 @@ class EdgeWalker {
 /// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
 /// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
 struct FarSides {
-    double right = std::numeric_limits<double>::infinity(),  ///< x of the right side, px: that of the last column's centres
-        bottom = std::numeric_limits<double>::infinity();    ///< y of the lower side, px: that of the last row's centres
+    double right = detail::infinite(),  ///< x of the right side, px: that of the last column's centres
+        bottom = detail::infinite();    ///< y of the lower side, px: that of the last row's centres
 
     /// The first row whose centre is not above y, or the one after the last for the lower side.
     [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }

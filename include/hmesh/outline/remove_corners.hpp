@@ -17,7 +17,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <vector>
 
@@ -118,9 +117,9 @@ inline void swallow_inside(const Polygons& polygons, std::uint32_t v, CornerRemo
 /// Finds the loops of which a corner is in the triangle; false where that is the loop of `own` itself, but for these corners.
 [[nodiscard]] inline bool swallow(const Polygons& polygons, const std::array<GridPoint, 3>& triangle,
                                   const std::array<std::uint32_t, 4>& own, CornerRemoval& removal) {
-    const auto& [a, b, c] = triangle;
+    const GridPoint a = triangle[0], b = triangle[1], c = triangle[2];
     const std::uint32_t home = polygons.loop_of(own[0]);
-    return polygons.visit_sides(GridBox(a).add(b).add(c), [&, a = a, b = b, c = c](std::uint32_t s) {
+    return polygons.visit_sides(GridBox(a).add(b).add(c), [&](std::uint32_t s) {
         if (std::find(own.begin(), own.end(), s) != own.end() || !is_in_triangle(a, b, c, polygons.at(s))) return true;
         const std::uint32_t loop = polygons.loop_of(s);
         if (loop == home) return false;

@@ -176,13 +176,11 @@ class BestLine {
 template <class MayBe>
 [[nodiscard]] bool is_clear(const Polygons& polygons, const ThreeSides& s, const std::array<GridPoint, 3>& triangle,
                             MayBe&& may_be) {
-    const auto& [t, u, w] = triangle;
+    const GridPoint t = triangle[0], u = triangle[1], w = triangle[2];
     const GridBox box = GridBox(t).add(u).add(w);
-    return polygons.visit_sides(box, [&, t = t, u = u, w = w](std::uint32_t v) {
+    return polygons.visit_sides(box, [&](std::uint32_t v) {
         return v == s.before || v == s.from || v == s.to || v == s.last || !is_in_triangle(t, u, w, polygons.at(v));
-    }) && polygons.visit_contours(box, [&, t = t, u = u, w = w](GridPoint p, GridPoint /*next*/) {
-        return !is_in_triangle(t, u, w, p) || may_be(p);
-    });
+    }) && polygons.visit_contours(box, [&](GridPoint p, GridPoint /*next*/) { return !is_in_triangle(t, u, w, p) || may_be(p); });
 }
 
 /// Whether a side of the contours crosses the segment from p to q.

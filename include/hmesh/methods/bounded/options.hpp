@@ -6,7 +6,6 @@
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
-#include <limits>
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
@@ -35,11 +34,11 @@ struct Bounded {
     /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
-    double border_error = std::numeric_limits<double>::infinity();
+    double border_error = kit::detail::infinite();
     /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
     /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
     /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
-    double inside_error = std::numeric_limits<double>::infinity();
+    double inside_error = kit::detail::infinite();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
