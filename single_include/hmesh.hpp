@@ -357,8 +357,8 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
 // ---- hmesh/core/finite.hpp
 
 /// \file
-/// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with; as_float(): what a float
-/// keeps of it.
+/// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with; nearest_finite(): one that
+/// can; as_float(): what a float keeps of it.
 ///
 /// All go through memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
 /// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
@@ -411,6 +411,11 @@ namespace detail {
 /// Whether the value is NaN.
 [[nodiscard]] inline bool is_nan(const double& value) noexcept {
     return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
+}
+/// The value, or the largest double of its sign where it is infinite; NaN stays NaN.
+[[nodiscard]] inline double nearest_finite(const double& value) noexcept {
+    const std::uint64_t bits = detail::bits_of_double(value);
+    return detail::double_of_bits(bits - ((bits & 0x7FFFFFFFFFFFFFFFU) == 0x7FF0000000000000U ? 1 : 0));
 }
 /// Whether low <= value <= high; false for NaN and infinities.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {
@@ -7693,10 +7698,10 @@ class EdgeWalker {
 /// The right and the lower side of a mesh whose outermost samples have their centres on its sides, as those of Samples::points
 /// do. The top-left rule gives these centres to faces beyond the mesh, where there are none. On these two lines alone they
 /// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
-/// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
+/// left of edges along it. Beyond all points, as by default: no centre lies on a side, and the rule has no exception.
 struct FarSides {
-    double right = detail::infinite(),  ///< x of the right side, px: that of the last column's centres
-        bottom = detail::infinite();    ///< y of the lower side, px: that of the last row's centres
+    double right = std::numeric_limits<double>::max(),  ///< x of the right side, px: that of the last column's centres
+        bottom = std::numeric_limits<double>::max();    ///< y of the lower side, px: that of the last row's centres
 
     /// The first row whose centre is not above y, or the one after the last for the lower side.
     [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }
@@ -7983,7 +7988,7 @@ class MomentTable {
 
     /// What is known of the pixels of a table.
     struct Kind {
-        double largest;    ///< the largest magnitude of a sample where all are whole numbers; infinite: they are not
+        double largest;    ///< the largest magnitude of a sample where all are whole numbers; of others the largest double
         bool is_signed;    ///< whether there may be samples < 0
         bool is_weighted;  ///< whether pixels have weights
     };
@@ -8028,7 +8033,7 @@ class MomentTable {
     template <class T>
     [[nodiscard]] static double largest_sample() noexcept {
         using Traits = PixelTraits<T>;
-        if constexpr (!Traits::is_integer) return detail::infinite();
+        if constexpr (!Traits::is_integer) return std::numeric_limits<double>::max();
         else return std::max(Traits::highest, -Traits::lowest);
     }
 
@@ -8043,9 +8048,9 @@ class MomentTable {
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px
     [[nodiscard]] int height() const noexcept { return height_; }  ///< px
-    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; infinite where there are none.
+    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; beyond all points if it has none.
     [[nodiscard]] const FarSides& far_sides() const noexcept { return far_sides_; }
-    /// Whether pixels are points (Samples::points), and these sides are not infinite.
+    /// Whether pixels are points (Samples::points), and there are such sides.
     [[nodiscard]] HMESH_ALWAYS_INLINE bool has_far_sides() const noexcept { return has_far_sides_; }
     /// Says that pixels are points, of a mesh with these sides.
     void set_far_sides(const FarSides& sides) noexcept {
@@ -8161,7 +8166,7 @@ class MomentTable {
     /// pair has bytes for samples, these.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
         const double largest = 2147483647.0, sample = kind.largest;
-        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest && sample <= 32767 &&
+        return sample <= 32767 && sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
                width <= 32768 && (!has_bytes || (sample <= 255 && !kind.is_signed));
     }
 
@@ -8251,11 +8256,11 @@ class MomentTable {
         if constexpr (C == 1) *to = sums[0];
         else sums.store(to);
     }
-    /// Writes a pixel's samples into a pair.
+    /// Writes a pixel's samples into a pair, and 0 into the lanes above them, which beyond() loads.
     static HMESH_ALWAYS_INLINE void keep(const std::int16_t* samples, std::int32_t* pair) noexcept {
         if constexpr (has_bytes) pair[C] = samples[0] | samples[1] << 8 | samples[2] << 16;
         else
-            for (int c = 0; c < C; ++c) pair[pixel_at + c] = samples[c];
+            for (int c = 0; c < lanes_for(C); ++c) pair[pixel_at + c] = c < C ? samples[c] : 0;
     }
 
     HMESH_PATCHWISE void fill(const Rect& rect, PixelReader pixels, int begin, int end) {
@@ -12778,8 +12783,8 @@ class PolylineFinder {
                 if (chords[i] != reached) continue;
                 next = std::max(next, i + 1);
                 while (chords[next] != unknown) ++next;
-                low_.assign(channels_, -detail::infinite());
-                high_.assign(channels_, detail::infinite());
+                low_.assign(channels_, std::numeric_limits<double>::lowest());
+                high_.assign(channels_, std::numeric_limits<double>::max());
                 std::size_t passed = i + 1;
                 for (std::size_t k = next; k < std::min(count, i + longest_chord + 1); ++k) {
                     if (chords[k] != unknown) continue;

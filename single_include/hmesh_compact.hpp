@@ -1502,6 +1502,7 @@ class AreaForetelling {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace hmesh::detail {
@@ -1668,7 +1669,7 @@ class ColorCoder {
         const std::int64_t most = std::min(static_cast<std::int64_t>(std::abs(off)) + 1, room);
         const std::size_t largest = size_of(std::max(guess, plane.most - guess) / plane.step);
         std::int64_t best = 0;
-        double least = kit::detail::infinite(), bits = 0;  // of being larger than `size`
+        double least = std::numeric_limits<double>::max(), bits = 0;  // of being larger than `size`
         std::size_t size = 0;
         const auto is_larger = [&] { return sizes_.probability(sizes.contexts(*this, size), sizes.set + size); };
         for (std::int64_t k = 0; k <= most; k = k == 0 ? std::max<std::int64_t>(1, most - 3) : k + 1) {  // 0 and the last four
@@ -3562,6 +3563,7 @@ struct CompactLattice {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 namespace hmesh::detail {
@@ -3695,7 +3697,7 @@ class LatticeMesh {
     [[nodiscard]] double energy_at(Site s, const kit::Color<C>& before, kit::Color<C>& color) {
         kit::RingCenter<C> center;
         if (!kit::fit_center(mesh_, scratch_.ring, place(s), before, scratch_.trial_spokes, scratch_.trial_faces, center))
-            return kit::detail::infinite();
+            return std::numeric_limits<double>::max();
         color = center.color;
         return center.energy;
     }
@@ -3709,7 +3711,7 @@ class LatticeMesh {
         const Room room = room_of(v);
         const Site nearest{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
         Site best{-1, -1};
-        double least = kit::detail::infinite();
+        double least = std::numeric_limits<double>::max();
         kit::Color<C> color = mesh_.color(v), best_color = color;
         for (int y = std::max(room.first.y, nearest.y - reach); y <= std::min(room.last.y, nearest.y + reach); ++y)
             for (int x = std::max(room.first.x, nearest.x - reach); x <= std::min(room.last.x, nearest.x + reach); ++x) {
@@ -3736,7 +3738,7 @@ class LatticeMesh {
         kit::Ring<C>& ring = scratch_.ring;
         mesh_.gather(v, ring, scratch_.spokes);
         kit::Halfedge best;
-        double least = kit::detail::infinite();
+        double least = std::numeric_limits<double>::max();
         for (int j = 0; j < ring.size; ++j) {
             if (ring.open && j != 0 && j != ring.size - 1) continue;
             const kit::Halfedge to = ring.halfedge[j];
@@ -3929,6 +3931,7 @@ struct [[nodiscard]] CompactImage {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -4029,11 +4032,11 @@ class CompactSearch {
     }
 
     /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
-    /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice
-    /// or, where `status` is not ok, none at all.
+    /// them the bytes pay for then. Returns what they promise, a PSNR; the lowest double where there is no such mesh on the
+    /// lattice or, where `status` is not ok, none at all.
     [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, int rounds, Status& status) {
         static constexpr std::array<std::uint32_t, 11> steps{16, 23, 32, 45, 64, 90, 128, 180, 256, 362, 512};
-        double most = -kit::detail::infinite();
+        double most = std::numeric_limits<double>::lowest();
         if (!mesh(n, recipe, rounds, status)) return most;
         const auto is_better = [&](std::size_t k) {
             const std::vector<std::uint8_t> file = write(steps[k]);

@@ -1429,6 +1429,7 @@ struct Contours {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -1524,7 +1525,7 @@ template <class IsGood, class Cost>
     if (!(p.x > within.left - 2.0 && p.x < within.right + 2.0 && p.y > within.top - 2.0 && p.y < within.bottom + 2.0)) return {};
     const auto x = static_cast<std::int32_t>(std::floor(p.x)), y = static_cast<std::int32_t>(std::floor(p.y));
     std::optional<GridPoint> best;
-    double least = detail::infinite();
+    double least = std::numeric_limits<double>::max();
     for (std::int32_t j = y - 1; j <= y + 2; ++j)
         for (std::int32_t i = x - 1; i <= x + 2; ++i) {
             const GridPoint candidate{i, j};
@@ -1898,6 +1899,7 @@ class Polygons {
 #define HMESH_OUTLINE_OFFERS_HPP
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <queue>
 #include <vector>
@@ -1934,8 +1936,10 @@ class Offers {
         }
         return {};
     }
-    /// None that waits is cheaper than this; it may be the price of one that counts no more.
-    [[nodiscard]] double least_price() const { return waiting_.empty() ? detail::infinite() : waiting_.top().price; }
+    /// None that waits is cheaper than this, the largest double where none waits; it may be the price of one that counts no more.
+    [[nodiscard]] double least_price() const {
+        return waiting_.empty() ? std::numeric_limits<double>::max() : waiting_.top().price;
+    }
 
   private:
     std::priority_queue<Offer> waiting_;

@@ -1729,6 +1729,7 @@ template <class T, int C>
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
+#include <limits>
 
 namespace hmesh {
 
@@ -1752,20 +1753,20 @@ struct Bounded {
     /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
-    double border_error = kit::detail::infinite();
+    double border_error = std::numeric_limits<double>::max();
     /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
     /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
     /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
-    double inside_error = kit::detail::infinite();
+    double inside_error = std::numeric_limits<double>::max();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
     if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
-    if (kit::is_nan(recipe.border_error) || recipe.border_error < 0)
+    if (kit::is_nan(recipe.border_error) || kit::nearest_finite(recipe.border_error) < 0)
         return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
-    if (kit::is_nan(recipe.inside_error) || recipe.inside_error < 0)
+    if (kit::is_nan(recipe.inside_error) || kit::nearest_finite(recipe.inside_error) < 0)
         return {Errc::invalid_argument, "inside_error must be at least 0, in stored values", recipe.inside_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};
@@ -1960,6 +1961,7 @@ struct Wide {
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace hmesh::kit {
@@ -2124,7 +2126,7 @@ struct ScaledPlane {
         if (row < 0) continue;
         worst = {most / area - plane.slack, first, row};
         // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
-        double largest = -detail::infinite();
+        double largest = std::numeric_limits<double>::lowest();
         for (int i = first; i < last; ++i) {
             const double difference =
                 std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base)) -
@@ -2637,12 +2639,14 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
     Sheet sheet;
     sheet.vertices.resize(delaunay.topology().vertex_slots());
     sheet.freedom.assign(sheet.vertices.size(), 0);
-    // Corners sorted by position find their vertices.
+    // Corners sorted by position find their vertices, of several in one place the first.
     const auto before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
     Array<std::uint32_t> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::uint32_t>(k);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return before(corners[a].position, corners[b].position); });
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const Point p = corners[a].position, q = corners[b].position;
+        return before(p, q) || (!before(q, p) && a < b);
+    });
     for (const Vertex v : delaunay.topology().vertices()) {
         const Point p{delaunay.position(v).x + rect.x, delaunay.position(v).y + rect.y};
         const auto at = std::lower_bound(order.begin(), order.end(), p,
@@ -4081,11 +4085,11 @@ namespace detail {
     // The margin that a border keeps to its limit leaves nothing for that of rounding where this is less.
     const auto border = [&](double limit) {
         const double error = recipe.max_error * (1 - kit::border_margin) < limit ? recipe.max_error : limit;
-        return recipe.free_borders ? error : std::min(error, recipe.border_error);
+        return recipe.free_borders ? error : std::min(error, kit::nearest_finite(recipe.border_error));
     };
     kit::BoundedLimits limits;
-    limits.inside =
-        bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
+    limits.inside = bounded_limit(
+        field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, kit::nearest_finite(recipe.inside_error))));
     limits.seams = border(limits.inside);
     for (int k = 0; k < kit::image_sides; ++k)
         limits.sides[k] = recipe.free_borders ? limits.seams : border(bounded_limit(field.rounding_along[k], recipe.max_error));

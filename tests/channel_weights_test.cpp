@@ -172,7 +172,8 @@ TEST_CASE("what a float channel that counts nothing holds moves no vertex") {
     const Result small = mesh_image(picture(1e-3).view(), options), large = mesh_image(picture(1e6).view(), options);
     CHECK(small.mesh.positions == large.mesh.positions);
     CHECK(small.mesh.faces == large.mesh.faces);
-    CHECK(small.report.energy == large.report.energy);
+    // Where products are contracted, what counts nothing is rounded with the rest.
+    CHECK(small.report.energy == doctest::Approx(large.report.energy).epsilon(1e-12));
 }
 
 TEST_CASE("weights of channels go with those of pixels, a PSNR as the target, a start, and any number of threads") {

@@ -54,6 +54,17 @@ TEST_CASE("is_within includes the ends and refuses what is no number") {
     CHECK_FALSE(hmesh::kit::is_within(infinity, 0, infinity));
 }
 
+TEST_CASE("nearest_finite takes infinities alone for the largest doubles") {
+    using Limits = std::numeric_limits<double>;
+    for (const double value : {0.0, -0.0, 1.5, -2e-310, Limits::max(), Limits::lowest(), Limits::denorm_min()}) {
+        CHECK(hmesh::kit::nearest_finite(value) == value);
+        CHECK(std::signbit(hmesh::kit::nearest_finite(value)) == std::signbit(value));
+    }
+    CHECK(hmesh::kit::nearest_finite(Limits::infinity()) == Limits::max());
+    CHECK(hmesh::kit::nearest_finite(-Limits::infinity()) == Limits::lowest());
+    CHECK(std::isnan(hmesh::kit::nearest_finite(Limits::quiet_NaN())));
+}
+
 TEST_CASE("as_float keeps what a float keeps, of neighbours too") {
     const auto stored = [](const std::array<double, 2>& at) {
         return std::array<double, 2>{hmesh::kit::as_float(at[0]), hmesh::kit::as_float(at[1])};

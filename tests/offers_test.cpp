@@ -27,12 +27,12 @@ TEST_CASE("the cheapest offer comes first, and of a corner the last one counts")
 
 TEST_CASE("of equal offers the one with the least corner comes first, and none that waits has no price") {
     Offers offers(40);
-    CHECK(offers.least_price() == std::numeric_limits<double>::infinity());
+    CHECK(offers.least_price() == std::numeric_limits<double>::max());
     for (std::uint32_t i = 0; i < 40; ++i) offers.add(i * 7 % 40, 1.5);
     for (std::uint32_t i = 0; i < 40; ++i) {
         const auto best = offers.take_out();
         REQUIRE(best);
         CHECK(best->corner == i);
     }
-    CHECK(offers.least_price() == std::numeric_limits<double>::infinity());
+    CHECK(offers.least_price() == std::numeric_limits<double>::max());
 }

@@ -1,6 +1,6 @@
 /// \file
-/// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with; as_float(): what a float
-/// keeps of it.
+/// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with; nearest_finite(): one that
+/// can; as_float(): what a float keeps of it.
 ///
 /// All go through memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
 /// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
@@ -55,6 +55,11 @@ namespace detail {
 /// Whether the value is NaN.
 [[nodiscard]] inline bool is_nan(const double& value) noexcept {
     return (detail::bits_of_double(value) & 0x7FFFFFFFFFFFFFFFU) > 0x7FF0000000000000U;
+}
+/// The value, or the largest double of its sign where it is infinite; NaN stays NaN.
+[[nodiscard]] inline double nearest_finite(const double& value) noexcept {
+    const std::uint64_t bits = detail::bits_of_double(value);
+    return detail::double_of_bits(bits - ((bits & 0x7FFFFFFFFFFFFFFFU) == 0x7FF0000000000000U ? 1 : 0));
 }
 /// Whether low <= value <= high; false for NaN and infinities.
 [[nodiscard]] inline bool is_within(const double& value, double low, double high) noexcept {

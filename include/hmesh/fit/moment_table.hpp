@@ -96,7 +96,7 @@ class MomentTable {
 
     /// What is known of the pixels of a table.
     struct Kind {
-        double largest;    ///< the largest magnitude of a sample where all are whole numbers; infinite: they are not
+        double largest;    ///< the largest magnitude of a sample where all are whole numbers; of others the largest double
         bool is_signed;    ///< whether there may be samples < 0
         bool is_weighted;  ///< whether pixels have weights
     };
@@ -141,7 +141,7 @@ class MomentTable {
     template <class T>
     [[nodiscard]] static double largest_sample() noexcept {
         using Traits = PixelTraits<T>;
-        if constexpr (!Traits::is_integer) return detail::infinite();
+        if constexpr (!Traits::is_integer) return std::numeric_limits<double>::max();
         else return std::max(Traits::highest, -Traits::lowest);
     }
 
@@ -156,9 +156,9 @@ class MomentTable {
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px
     [[nodiscard]] int height() const noexcept { return height_; }  ///< px
-    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; infinite where there are none.
+    /// The sides of the mesh with centres of pixels on them, in the coordinates of the table; beyond all points if it has none.
     [[nodiscard]] const FarSides& far_sides() const noexcept { return far_sides_; }
-    /// Whether pixels are points (Samples::points), and these sides are not infinite.
+    /// Whether pixels are points (Samples::points), and there are such sides.
     [[nodiscard]] HMESH_ALWAYS_INLINE bool has_far_sides() const noexcept { return has_far_sides_; }
     /// Says that pixels are points, of a mesh with these sides.
     void set_far_sides(const FarSides& sides) noexcept {
@@ -274,7 +274,7 @@ class MomentTable {
     /// pair has bytes for samples, these.
     [[nodiscard]] static bool fits_32_bits(double width, const Kind& kind) noexcept {
         const double largest = 2147483647.0, sample = kind.largest;
-        return sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest && sample <= 32767 &&
+        return sample <= 32767 && sample * width * (width - 1) / 2 <= largest && C * sample * sample * width <= largest &&
                width <= 32768 && (!has_bytes || (sample <= 255 && !kind.is_signed));
     }
 
@@ -364,11 +364,11 @@ class MomentTable {
         if constexpr (C == 1) *to = sums[0];
         else sums.store(to);
     }
-    /// Writes a pixel's samples into a pair.
+    /// Writes a pixel's samples into a pair, and 0 into the lanes above them, which beyond() loads.
     static HMESH_ALWAYS_INLINE void keep(const std::int16_t* samples, std::int32_t* pair) noexcept {
         if constexpr (has_bytes) pair[C] = samples[0] | samples[1] << 8 | samples[2] << 16;
         else
-            for (int c = 0; c < C; ++c) pair[pixel_at + c] = samples[c];
+            for (int c = 0; c < lanes_for(C); ++c) pair[pixel_at + c] = c < C ? samples[c] : 0;
     }
 
     HMESH_PATCHWISE void fill(const Rect& rect, PixelReader pixels, int begin, int end) {

@@ -13,7 +13,6 @@
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/lanes.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/samples.hpp"
@@ -56,10 +55,10 @@ class EdgeWalker {
 /// The right and the lower side of a mesh whose outermost samples have their centres on its sides, as those of Samples::points
 /// do. The top-left rule gives these centres to faces beyond the mesh, where there are none. On these two lines alone they
 /// belong to the face that ends there: the row on the lower side to edges that end on it, and the column on the right side is
-/// left of edges along it. Infinite, as by default: no centre lies on a side, and the rule has no exception.
+/// left of edges along it. Beyond all points, as by default: no centre lies on a side, and the rule has no exception.
 struct FarSides {
-    double right = detail::infinite(),  ///< x of the right side, px: that of the last column's centres
-        bottom = detail::infinite();    ///< y of the lower side, px: that of the last row's centres
+    double right = std::numeric_limits<double>::max(),  ///< x of the right side, px: that of the last column's centres
+        bottom = std::numeric_limits<double>::max();    ///< y of the lower side, px: that of the last row's centres
 
     /// The first row whose centre is not above y, or the one after the last for the lower side.
     [[nodiscard]] HMESH_ALWAYS_INLINE int first_row(double y) const noexcept { return kit::first_row(y) + (y == bottom ? 1 : 0); }

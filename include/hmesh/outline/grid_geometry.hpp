@@ -8,10 +8,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
-#include "hmesh/core/finite.hpp"
 #include "hmesh/outline/contour.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -108,7 +108,7 @@ template <class IsGood, class Cost>
     if (!(p.x > within.left - 2.0 && p.x < within.right + 2.0 && p.y > within.top - 2.0 && p.y < within.bottom + 2.0)) return {};
     const auto x = static_cast<std::int32_t>(std::floor(p.x)), y = static_cast<std::int32_t>(std::floor(p.y));
     std::optional<GridPoint> best;
-    double least = detail::infinite();
+    double least = std::numeric_limits<double>::max();
     for (std::int32_t j = y - 1; j <= y + 2; ++j)
         for (std::int32_t i = x - 1; i <= x + 2; ++i) {
             const GridPoint candidate{i, j};

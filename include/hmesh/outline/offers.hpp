@@ -4,11 +4,10 @@
 #define HMESH_OUTLINE_OFFERS_HPP
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <queue>
 #include <vector>
-
-#include "hmesh/core/finite.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -44,8 +43,10 @@ class Offers {
         }
         return {};
     }
-    /// None that waits is cheaper than this; it may be the price of one that counts no more.
-    [[nodiscard]] double least_price() const { return waiting_.empty() ? detail::infinite() : waiting_.top().price; }
+    /// None that waits is cheaper than this, the largest double where none waits; it may be the price of one that counts no more.
+    [[nodiscard]] double least_price() const {
+        return waiting_.empty() ? std::numeric_limits<double>::max() : waiting_.top().price;
+    }
 
   private:
     std::priority_queue<Offer> waiting_;

@@ -12,10 +12,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -133,11 +133,11 @@ class CompactSearch {
     }
 
     /// Which steps of colours promise most for a mesh of n vertices, by one with so many rounds on the lattice, and how many of
-    /// them the bytes pay for then. Returns what they promise, a PSNR; minus infinity where there is no such mesh on the lattice
-    /// or, where `status` is not ok, none at all.
+    /// them the bytes pay for then. Returns what they promise, a PSNR; the lowest double where there is no such mesh on the
+    /// lattice or, where `status` is not ok, none at all.
     [[nodiscard]] double guess(std::int64_t& n, std::uint32_t& color_step, const Annealed& recipe, int rounds, Status& status) {
         static constexpr std::array<std::uint32_t, 11> steps{16, 23, 32, 45, 64, 90, 128, 180, 256, 362, 512};
-        double most = -kit::detail::infinite();
+        double most = std::numeric_limits<double>::lowest();
         if (!mesh(n, recipe, rounds, status)) return most;
         const auto is_better = [&](std::size_t k) {
             const std::vector<std::uint8_t> file = write(steps[k]);

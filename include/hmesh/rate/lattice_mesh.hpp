@@ -15,10 +15,10 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "hmesh/core/array.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/function_ref.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/edit/flip.hpp"
@@ -168,7 +168,7 @@ class LatticeMesh {
     [[nodiscard]] double energy_at(Site s, const kit::Color<C>& before, kit::Color<C>& color) {
         kit::RingCenter<C> center;
         if (!kit::fit_center(mesh_, scratch_.ring, place(s), before, scratch_.trial_spokes, scratch_.trial_faces, center))
-            return kit::detail::infinite();
+            return std::numeric_limits<double>::max();
         color = center.color;
         return center.energy;
     }
@@ -182,7 +182,7 @@ class LatticeMesh {
         const Room room = room_of(v);
         const Site nearest{lattice_->x.nearest(p.x), lattice_->y.nearest(p.y)};
         Site best{-1, -1};
-        double least = kit::detail::infinite();
+        double least = std::numeric_limits<double>::max();
         kit::Color<C> color = mesh_.color(v), best_color = color;
         for (int y = std::max(room.first.y, nearest.y - reach); y <= std::min(room.last.y, nearest.y + reach); ++y)
             for (int x = std::max(room.first.x, nearest.x - reach); x <= std::min(room.last.x, nearest.x + reach); ++x) {
@@ -209,7 +209,7 @@ class LatticeMesh {
         kit::Ring<C>& ring = scratch_.ring;
         mesh_.gather(v, ring, scratch_.spokes);
         kit::Halfedge best;
-        double least = kit::detail::infinite();
+        double least = std::numeric_limits<double>::max();
         for (int j = 0; j < ring.size; ++j) {
             if (ring.open && j != 0 && j != ring.size - 1) continue;
             const kit::Halfedge to = ring.halfedge[j];

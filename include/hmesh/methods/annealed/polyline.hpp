@@ -17,7 +17,6 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/finite.hpp"
 
 #include "hmesh/core/macros/push.hpp"
 
@@ -60,8 +59,8 @@ class PolylineFinder {
                 if (chords[i] != reached) continue;
                 next = std::max(next, i + 1);
                 while (chords[next] != unknown) ++next;
-                low_.assign(channels_, -detail::infinite());
-                high_.assign(channels_, detail::infinite());
+                low_.assign(channels_, std::numeric_limits<double>::lowest());
+                high_.assign(channels_, std::numeric_limits<double>::max());
                 std::size_t passed = i + 1;
                 for (std::size_t k = next; k < std::min(count, i + longest_chord + 1); ++k) {
                     if (chords[k] != unknown) continue;

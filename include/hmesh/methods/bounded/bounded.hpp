@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/finite.hpp"
 #include "hmesh/core/parallel.hpp"
 #include "hmesh/core/progress.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -78,11 +79,11 @@ namespace detail {
     // The margin that a border keeps to its limit leaves nothing for that of rounding where this is less.
     const auto border = [&](double limit) {
         const double error = recipe.max_error * (1 - kit::border_margin) < limit ? recipe.max_error : limit;
-        return recipe.free_borders ? error : std::min(error, recipe.border_error);
+        return recipe.free_borders ? error : std::min(error, kit::nearest_finite(recipe.border_error));
     };
     kit::BoundedLimits limits;
-    limits.inside =
-        bounded_limit(field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, recipe.inside_error)));
+    limits.inside = bounded_limit(
+        field.rounding, std::max(field.rounding.slack, std::min(recipe.max_error, kit::nearest_finite(recipe.inside_error))));
     limits.seams = border(limits.inside);
     for (int k = 0; k < kit::image_sides; ++k)
         limits.sides[k] = recipe.free_borders ? limits.seams : border(bounded_limit(field.rounding_along[k], recipe.max_error));

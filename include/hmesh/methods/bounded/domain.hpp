@@ -75,12 +75,14 @@ HMESH_COLD inline void add_rim(const HeightField& field, const Rect& rect, Array
     Sheet sheet;
     sheet.vertices.resize(delaunay.topology().vertex_slots());
     sheet.freedom.assign(sheet.vertices.size(), 0);
-    // Corners sorted by position find their vertices.
+    // Corners sorted by position find their vertices, of several in one place the first.
     const auto before = [](Point a, Point b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
     Array<std::uint32_t> order(corners.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<std::uint32_t>(k);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::uint32_t a, std::uint32_t b) { return before(corners[a].position, corners[b].position); });
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+        const Point p = corners[a].position, q = corners[b].position;
+        return before(p, q) || (!before(q, p) && a < b);
+    });
     for (const Vertex v : delaunay.topology().vertices()) {
         const Point p{delaunay.position(v).x + rect.x, delaunay.position(v).y + rect.y};
         const auto at = std::lower_bound(order.begin(), order.end(), p,

@@ -9,10 +9,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "hmesh/core/compiler.hpp"
-#include "hmesh/core/finite.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/methods/bounded/detail/wide.hpp"
 #include "hmesh/methods/bounded/height_field.hpp"
@@ -181,7 +181,7 @@ struct ScaledPlane {
         if (row < 0) continue;
         worst = {most / area - plane.slack, first, row};
         // Which column: products may have been contracted otherwise above, hence the largest and not the equal one.
-        double largest = -detail::infinite();
+        double largest = std::numeric_limits<double>::lowest();
         for (int i = first; i < last; ++i) {
             const double difference =
                 std::abs(plane.at(i, row, offset) - area * (static_cast<double>(field.row(channel, row)[i]) - plane.base)) -

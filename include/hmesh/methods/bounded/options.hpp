@@ -6,6 +6,7 @@
 #define HMESH_METHODS_BOUNDED_OPTIONS_HPP
 
 #include <cstdint>
+#include <limits>
 
 #include "hmesh/core/finite.hpp"
 #include "hmesh/core/status.hpp"
@@ -34,20 +35,20 @@ struct Bounded {
     /// The largest difference allowed along the sides of the image, in stored values, >= 0, where that is to be less than
     /// max_error; nothing with free_borders. Tiles of different max_error meet if this is the same for them, and at most the
     /// smallest of these.
-    double border_error = kit::detail::infinite();
+    double border_error = std::numeric_limits<double>::max();
     /// The largest difference allowed at samples that are not along the sides of the image, in stored values, >= 0, where that
     /// is to be less than max_error; with free_borders at all samples. Borders stay what they are without it. 0: the inside is
     /// made by insertion alone, whatever the effort: where samples lie in planes removal leaves slivers, which bear no rounding.
-    double inside_error = kit::detail::infinite();
+    double inside_error = std::numeric_limits<double>::max();
 };
 
 /// Whether the options are in their ranges; otherwise invalid_argument with a sentence about the first that is not.
 [[nodiscard]] inline Status check(const Bounded& recipe) noexcept {
     if (!kit::is_finite(recipe.max_error) || recipe.max_error < 0)
         return {Errc::invalid_argument, "max_error must be finite and at least 0, in stored values", recipe.max_error};
-    if (kit::is_nan(recipe.border_error) || recipe.border_error < 0)
+    if (kit::is_nan(recipe.border_error) || kit::nearest_finite(recipe.border_error) < 0)
         return {Errc::invalid_argument, "border_error must be at least 0, in stored values", recipe.border_error};
-    if (kit::is_nan(recipe.inside_error) || recipe.inside_error < 0)
+    if (kit::is_nan(recipe.inside_error) || kit::nearest_finite(recipe.inside_error) < 0)
         return {Errc::invalid_argument, "inside_error must be at least 0, in stored values", recipe.inside_error};
     if (recipe.effort > Bounded::Effort::best)
         return {Errc::invalid_argument, "the effort is none of those known", static_cast<int>(recipe.effort), 3};

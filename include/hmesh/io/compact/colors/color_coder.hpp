@@ -16,9 +16,9 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
-#include "hmesh/core/finite.hpp"
 #include "hmesh/core/srgb.hpp"
 #include "hmesh/io/compact/arithmetic_coder.hpp"
 #include "hmesh/io/compact/colors/color_choice.hpp"
@@ -194,7 +194,7 @@ class ColorCoder {
         const std::int64_t most = std::min(static_cast<std::int64_t>(std::abs(off)) + 1, room);
         const std::size_t largest = size_of(std::max(guess, plane.most - guess) / plane.step);
         std::int64_t best = 0;
-        double least = kit::detail::infinite(), bits = 0;  // of being larger than `size`
+        double least = std::numeric_limits<double>::max(), bits = 0;  // of being larger than `size`
         std::size_t size = 0;
         const auto is_larger = [&] { return sizes_.probability(sizes.contexts(*this, size), sizes.set + size); };
         for (std::int64_t k = 0; k <= most; k = k == 0 ? std::max<std::int64_t>(1, most - 3) : k + 1) {  // 0 and the last four
