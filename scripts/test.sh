@@ -32,7 +32,7 @@ done
 
 need compiler cmake eigen command doctest pytest
 case $preset in
-    asan) need clang-sanitizers ;;
+    asan | tsan) need clang-sanitizers ;;
     clang*) need clang ;;
 esac
 if [ ${#targets[@]} != 0 ]; then

@@ -74,7 +74,7 @@ TEST_CASE("as_float keeps what a float keeps, of neighbours too") {
     for (int i = 0; i < 1000; ++i) {
         const std::array<double, 2> at = {5e6 * random.uniform(), -random.uniform()}, kept = stored(at);
         for (std::size_t k = 0; k < 2; ++k) {
-            const float nearest = static_cast<float>(at[k]);  // in memory, for std::nextafter()
+            const auto nearest = static_cast<float>(at[k]);  // in memory, for std::nextafter()
             const double apart = std::fabs(kept[k] - at[k]);
             for (const float other : {std::nextafter(nearest, -1e9F), nearest, std::nextafter(nearest, 1e9F)})
                 wrong += std::fabs(static_cast<double>(other) - at[k]) < apart;
