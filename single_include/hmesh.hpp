@@ -425,7 +425,11 @@ namespace detail {
 /// The float nearest to a value in the range of floats, as a double. g++ 11 and 12 with -O2 or -O3 forget the conversions of two
 /// neighbours to float and back where they make one vector of them: {double(float(a)), double(float(b))} is {a, b} then.
 [[nodiscard]] inline double as_float(double value) noexcept {
+#if defined(__GNUC__) && !defined(__clang__)
     const volatile auto stored = static_cast<float>(value);
+#else
+    const auto stored = static_cast<float>(value);
+#endif
     return static_cast<double>(stored);
 }
 
@@ -8031,7 +8035,7 @@ class MomentTable {
     }
     /// What Kind::largest is of samples of a type.
     template <class T>
-    [[nodiscard]] static double largest_sample() noexcept {
+    [[nodiscard]] static constexpr double largest_sample() noexcept {
         using Traits = PixelTraits<T>;
         if constexpr (!Traits::is_integer) return std::numeric_limits<double>::max();
         else return std::max(Traits::highest, -Traits::lowest);

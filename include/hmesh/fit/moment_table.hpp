@@ -139,7 +139,7 @@ class MomentTable {
     }
     /// What Kind::largest is of samples of a type.
     template <class T>
-    [[nodiscard]] static double largest_sample() noexcept {
+    [[nodiscard]] static constexpr double largest_sample() noexcept {
         using Traits = PixelTraits<T>;
         if constexpr (!Traits::is_integer) return std::numeric_limits<double>::max();
         else return std::max(Traits::highest, -Traits::lowest);
