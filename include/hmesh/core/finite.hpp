@@ -2,9 +2,9 @@
 /// is_finite(), is_nan(), is_within(): whether a number that came from outside can be calculated with; nearest_finite(): one that
 /// can; as_float(): what a float keeps of it.
 ///
-/// All go through memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and comparisons
-/// with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users hand over is
-/// checked with these, so that NaN is refused there as well.
+/// The first four look at bits in memory. Compilers that assume finite numbers (-ffast-math) answer std::isfinite() and
+/// comparisons with NaN without looking, and clang++ assumes parameters and results of functions to be finite too; what users
+/// hand over is checked with these, so that NaN is refused there as well.
 #ifndef HMESH_CORE_FINITE_HPP
 #define HMESH_CORE_FINITE_HPP
 
