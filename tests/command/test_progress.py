@@ -45,7 +45,7 @@ def test_one_bar_runs_over_all_stages_runs_and_files(hmesh, arguments, columns):
 
 
 def test_the_bar_tells_the_time_to_go_after_a_second(hmesh):
-    status, lines = drawn_at(80, hmesh.words("large.png --rate 20 --threads 1"))
+    status, lines = drawn_at(80, hmesh.words("large.png --rate 20 --effort fine --threads 1"))
     assert status == 0
     check_bar(80, lines)
     assert re.search(r"\d+ %, \d+:\d\d to go, \w+, \d+ vertices", "\n".join(lines))
