@@ -172,8 +172,11 @@ TEST_CASE("what a float channel that counts nothing holds moves no vertex") {
     const Result small = mesh_image(picture(1e-3).view(), options), large = mesh_image(picture(1e6).view(), options);
     CHECK(small.mesh.positions == large.mesh.positions);
     CHECK(small.mesh.faces == large.mesh.faces);
-    // Where products are contracted, what counts nothing is rounded with the rest.
+#if defined(__FMA__)  // products may be contracted, of what counts nothing too
     CHECK(small.report.energy == doctest::Approx(large.report.energy).epsilon(1e-12));
+#else
+    CHECK(small.report.energy == large.report.energy);
+#endif
 }
 
 TEST_CASE("weights of channels go with those of pixels, a PSNR as the target, a start, and any number of threads") {
