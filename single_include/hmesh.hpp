@@ -6761,9 +6761,9 @@ struct ProgressInfo {
 /// The progress callback: returns true to go on, false to cancel; the last valid mesh is then returned with Errc::cancelled.
 ///
 /// It is called with fraction 0 when a stage begins, with 1 when it ends, and every few milliseconds in between where vertices
-/// and edges are worked on; from the threads that do the work, but never from two at a time (calls are ordered as by a lock).
-/// There are no calls during passes over all pixels, some 0.2 s a megapixel at most, and while a mesh is put together, some 0.8
-/// us a vertex.
+/// and edges are worked on or all pixels are read; from the threads that do the work, but never from two at a time (calls are
+/// ordered as by a lock). There are no calls before the first stage, while floats and weights are checked, some 2 ns a pixel, and
+/// while a mesh is put together: 0.1 to 0.2 us a vertex in tiles, 1 to 1.5 us for the final colours of an image of one table.
 ///
 /// A Progress refers to a callable that must outlive the work: keep a lambda in a variable of its own.
 using Progress = FunctionRef<bool(const ProgressInfo& info)>;
@@ -6828,17 +6828,13 @@ class ProgressReporter {
     /// ask for unless `mesh_so_far` is empty. False once cancelled.
     bool update(double fraction, std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         set_range(fraction, fraction);
-        info_.vertices = vertices;
-        info_.energy = told(energy);
-        info_.mesh_so_far = mesh_so_far;
-        const bool go_on = poll();
-        info_.mesh_so_far = {};
-        return go_on;
+        return tell(vertices, energy, mesh_so_far);
     }
-    /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1].
+    /// The tasks that follow take the stage from fraction `from` to fraction `to`, both in [0, 1]. A fraction of 1 is told as a
+    /// little less: the stage has not ended.
     void set_range(double from, double to) noexcept {
-        from_ = std::max(0.0, std::min(1.0, from));
-        to_ = std::max(0.0, std::min(1.0, to));
+        from_ = std::max(0.0, std::min(before_end, from));
+        to_ = std::max(0.0, std::min(before_end, to));
         done_ = 0;
     }
     /// The range as set_range() left it.
@@ -6847,7 +6843,8 @@ class ProgressReporter {
     bool end(std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         stages_.push_back(
             {info_.stage, vertices, told(energy), psnr_of_energy(told(energy), samples_, peak_), iterations_, residual_});
-        return update(1, vertices, energy, mesh_so_far);
+        from_ = to_ = 1;
+        return tell(vertices, energy, mesh_so_far);
     }
     /// Notes for the report of the stage that a linear system was solved. From one task at a time.
     void note_solve(int iterations, double residual) noexcept {
@@ -6869,9 +6866,18 @@ class ProgressReporter {
   private:
     /// The value of done_ for a whole range. An integer: a sum of integers is the same in any order.
     static constexpr double whole = 1e15;
+    static constexpr double before_end = 1 - 1e-9;
 
     /// Energies as they are told: rounding may leave less than nothing.
     [[nodiscard]] double told(double energy) const noexcept { return std::max(0.0, energy * energy_unit_); }
+    bool tell(std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far) {
+        info_.vertices = vertices;
+        info_.energy = told(energy);
+        info_.mesh_so_far = mesh_so_far;
+        const bool go_on = poll();
+        info_.mesh_so_far = {};
+        return go_on;
+    }
     bool begin_stage(const char* stage, std::size_t vertices, double energy, double from, double to) {
         info_.stage = stage;
         iterations_ = 0;
@@ -6908,6 +6914,28 @@ class ProgressReporter {
     std::atomic<bool> stopped_{false};
     std::atomic_flag asking_ = ATOMIC_FLAG_INIT;
     std::vector<StageReport> stages_;
+};
+
+/// An executor that asks the callback before each piece, for pieces that do not look at the progress themselves: they are all
+/// done, also once the work was cancelled.
+class PollingExecutor {
+  public:
+    /// Both must outlive it.
+    PollingExecutor(ProgressReporter& reporter, const ParallelFor& parallel_for) noexcept
+        : reporter_(&reporter), parallel_for_(parallel_for) {}
+    /// From now on another reporter is asked, which must outlive it too.
+    void report_to(ProgressReporter& reporter) noexcept { reporter_ = &reporter; }
+
+    HMESH_COLD void operator()(std::size_t n, Piece piece) const {
+        parallel_for_(n, [&](std::size_t i) {
+            (void)reporter_->poll();
+            piece(i);
+        });
+    }
+
+  private:
+    ProgressReporter* reporter_;
+    ParallelFor parallel_for_;
 };
 
 /// The progress of one of the tasks that run at once under a ProgressReporter. Not shared between threads.
@@ -14152,7 +14180,9 @@ class TiledMesh {
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     HMESH_NEVER_INLINE HMESH_COLD TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
                                             const ParallelFor& parallel_for = {})
-        : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
+        : source_(&source), limits_(limits), progress_(&progress), polling_(progress, parallel_for), parallel_for_(polling_) {}
+    TiledMesh(const TiledMesh&) = delete;             ///< not copied: its executor refers to it
+    TiledMesh& operator=(const TiledMesh&) = delete;  ///< not assigned
 
     /// The image to be meshed.
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
@@ -14161,12 +14191,15 @@ class TiledMesh {
     /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
-    void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
+    void report_to(ProgressReporter& progress) noexcept {
+        progress_ = &progress;
+        polling_.report_to(progress);
+    }
     /// From now on mesh_so_far() is this, whose callable must outlive the work.
     void offer(FunctionRef<Mesh()> mesh_so_far) noexcept { mesh_so_far_ = mesh_so_far; }
     /// What progress() may offer as ProgressInfo::mesh_so_far between phases; empty: nothing.
     [[nodiscard]] FunctionRef<Mesh()> mesh_so_far() const noexcept { return mesh_so_far_; }
-    /// The executor of pieces of work.
+    /// The executor of pieces of work, which asks the callback of progress() before each.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
     /// in spatial order within each tile.
@@ -14258,6 +14291,7 @@ class TiledMesh {
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_together();
+        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
@@ -14315,7 +14349,7 @@ class TiledMesh {
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
-            if (!progress_->poll() && !all) return;
+            if (progress_->stopped() && !all) return;
             TaskProgress task(*progress_, sizes[tiles[i]] / sum);
             body(tiles[i], task);
         };
@@ -14363,6 +14397,7 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
+        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
@@ -14464,7 +14499,8 @@ class TiledMesh {
     const ImageSource<C>* source_;
     MeshLimits limits_;
     ProgressReporter* progress_;
-    ParallelFor parallel_for_;
+    PollingExecutor polling_;
+    ParallelFor parallel_for_;  ///< polling_
     FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};
@@ -15624,6 +15660,7 @@ class AnnealedRun {
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = uncolored_mesh(source, delaunay);
         }
+        (void)progress().poll();
         take_colors(tiled_->indexed(), source);
         return true;
     }
@@ -16311,10 +16348,10 @@ template <int C>
     return system;
 }
 
-/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on() before each
-/// sweep but the one that puts the colours on the grid.
+/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on(), where set,
+/// before each sweep but the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
+BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on = {}) {
     HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     Color<C> scale = Color<C>::zero();
@@ -16322,7 +16359,7 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
         for (int k = 0; k < C; ++k) scale.set(k, std::max(scale[k], std::abs(c[k])));
 
     BoundedReport report;
-    while (report.sweeps < max_sweeps && !report.converged && go_on()) {
+    while (report.sweeps < max_sweeps && !report.converged && (!go_on || go_on())) {
         report.converged = true;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
@@ -16344,7 +16381,7 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
         // are ties and not taken, or rounding could move two colours back and forth.
         const double half = range.grid * (0.5 + 1e-9);
         report.converged = false;
-        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
+        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && (!go_on || go_on())) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
@@ -16365,9 +16402,11 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
 
 /// Gives all vertices colours that a range allows. Coordinate descent (projected Gauss-Seidel) from the current colours: first
 /// without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a vertex
-/// at 3 channels. Locked vertices keep colours that the range allows.
+/// at 3 channels. Locked vertices keep colours that the range allows. go_on(), where set, is asked before each sweep but the one
+/// that puts the colours on the grid, which is the last one once it says false.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {},
+                                        FunctionRef<bool()> go_on = {}) {
     Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
@@ -16381,7 +16420,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, co
         if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
-    const BoundedReport report = detail::descend(system, range, colors, [] { return true; });
+    const BoundedReport report = detail::descend(system, range, colors, go_on);
     detail::write_colors(mesh, colors, parallel_for);
     return report;
 }
@@ -16691,7 +16730,7 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
     auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
     for (std::size_t k = 0; k < vertex_of.size(); ++k)
         if (is_solved[vertex_of[k]] != 0) system.hold(k);
-    (void)descend(system, range, its, [] { return true; });
+    (void)descend(system, range, its);
     for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
 }
 
@@ -16776,7 +16815,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, range);
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
-            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
+            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for(), [&] { return tiled.progress().poll(); });
             if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh(), tiled.parallel_for());
         }))
         return out;

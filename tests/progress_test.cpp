@@ -28,6 +28,7 @@ using hmesh::Errc;
 using hmesh::Options;
 using hmesh::ProgressInfo;
 using hmesh::Target;
+using hmesh::kit::PollingExecutor;
 using hmesh::kit::ProgressReporter;
 using hmesh::kit::psnr_of_energy;
 using hmesh::kit::TaskProgress;
@@ -192,7 +193,8 @@ TEST_CASE("a reporter hands on stage, fraction in [0, 1], vertices and energy") 
     CHECK(recorder.calls[0].energy == 900);
     CHECK(recorder.calls[1].fraction == 0);
     CHECK(recorder.calls[2].fraction == 0.25);
-    CHECK(recorder.calls[3].fraction == 1);
+    CHECK(recorder.calls[3].fraction < 1);  // the stage has not ended
+    CHECK(recorder.calls[3].fraction > 0.999999);
     CHECK(recorder.calls[4].fraction == 1);
     CHECK(recorder.calls[4].vertices == 20);
     for (const auto& call : recorder.calls) CHECK(call.stage == "work");
@@ -336,6 +338,41 @@ TEST_CASE("keep_going asks the callback every 256th time, and not at all once th
     TaskProgress other(reporter, 0.5);
     for (int k = 0; k < 1000; ++k) REQUIRE_FALSE((task.keep_going() || other.keep_going()));
     CHECK(recorder.calls.size() == 13);
+}
+
+TEST_CASE("an executor that polls asks before each piece, does all of them though told to stop, and turns to another reporter") {
+    Recorder recorder, other;
+    recorder.stop_at = 2;
+    ProgressReporter reporter(recorder, 1000, 255), next(other, 1000, 255);
+    PollingExecutor executor(reporter, {});
+    std::vector<std::size_t> pieces, asked;
+    executor(5, [&](std::size_t i) {
+        pieces.push_back(i);
+        asked.push_back(recorder.calls.size());
+    });
+    CHECK(pieces == std::vector<std::size_t>{0, 1, 2, 3, 4});
+    CHECK(asked == std::vector<std::size_t>{1, 2, 3, 3, 3});
+    CHECK(reporter.stopped());
+    executor.report_to(next);
+    executor(7, [](std::size_t) {});
+    CHECK(recorder.calls.size() == 3);
+    CHECK(other.calls.size() == 7);
+}
+
+TEST_CASE("passes over all pixels, edges and faces tell of themselves: a callback waits for no stage to end") {
+    const auto image = hmesh_test::scene<std::uint8_t, 3>(200, 640, 2);
+    Recorder recorder;
+    Options options;
+    options.target = Target::vertices(3000);
+    options.progress = recorder;
+    REQUIRE(hmesh::mesh_image(image.view(), options, annealed(Effort::draft)).status);
+    std::size_t points = 0, colors = 0;
+    for (const Recorder::Call& call : recorder.calls) {
+        points += call.stage == "points" ? 1 : 0;
+        colors += call.stage == "colors" ? 1 : 0;
+    }
+    CHECK(points > 20 + 20 + 20 + 10);  // 20 bands have densities, ranks and candidates, 10 are tables
+    CHECK(colors > 6000 / 1024 * 3);    // faces have corners, sums and largest errors
 }
 
 TEST_CASE("mesh_image reports each stage from 0 to 1 without a step back, and its report lists the same stages") {

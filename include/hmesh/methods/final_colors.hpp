@@ -136,7 +136,7 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
     auto system = tied_color_system<C>(rows, corners, {}, its, ridge);
     for (std::size_t k = 0; k < vertex_of.size(); ++k)
         if (is_solved[vertex_of[k]] != 0) system.hold(k);
-    (void)descend(system, range, its, [] { return true; });
+    (void)descend(system, range, its);
     for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
 }
 
@@ -221,7 +221,7 @@ HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRan
     if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, range);
     FinalColors out;
     if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
-            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for());
+            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for(), [&] { return tiled.progress().poll(); });
             if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh(), tiled.parallel_for());
         }))
         return out;

@@ -119,10 +119,10 @@ template <int C>
     return system;
 }
 
-/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on() before each
-/// sweep but the one that puts the colours on the grid.
+/// The descent of bounded_colors(): improves `colors`, which lie in [range.low, range.high], one a row. Asks go_on(), where set,
+/// before each sweep but the one that puts the colours on the grid.
 template <int C>
-BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on) {
+BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Color<C>>& colors, FunctionRef<bool()> go_on = {}) {
     HMESH_ASSERT(range.low <= range.high && range.grid >= 0);
     constexpr int max_sweeps = 20, max_rounding_sweeps = 10;
     Color<C> scale = Color<C>::zero();
@@ -130,7 +130,7 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
         for (int k = 0; k < C; ++k) scale.set(k, std::max(scale[k], std::abs(c[k])));
 
     BoundedReport report;
-    while (report.sweeps < max_sweeps && !report.converged && go_on()) {
+    while (report.sweeps < max_sweeps && !report.converged && (!go_on || go_on())) {
         report.converged = true;
         system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
             Color<C> next = c + step;
@@ -152,7 +152,7 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
         // are ties and not taken, or rounding could move two colours back and forth.
         const double half = range.grid * (0.5 + 1e-9);
         report.converged = false;
-        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && go_on()) {
+        while (report.rounding_sweeps < max_rounding_sweeps && !report.converged && (!go_on || go_on())) {
             bool changed = false;
             system.sweep(colors, [&](Color<C>& c, const Color<C>& step) {
                 for (int k = 0; k < C; ++k) {
@@ -173,9 +173,11 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
 
 /// Gives all vertices colours that a range allows. Coordinate descent (projected Gauss-Seidel) from the current colours: first
 /// without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a vertex
-/// at 3 channels. Locked vertices keep colours that the range allows.
+/// at 3 channels. Locked vertices keep colours that the range allows. go_on(), where set, is asked before each sweep but the one
+/// that puts the colours on the grid, which is the last one once it says false.
 template <int C>
-HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {}) {
+HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {},
+                                        FunctionRef<bool()> go_on = {}) {
     Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
@@ -189,7 +191,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, co
         if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
-    const BoundedReport report = detail::descend(system, range, colors, [] { return true; });
+    const BoundedReport report = detail::descend(system, range, colors, go_on);
     detail::write_colors(mesh, colors, parallel_for);
     return report;
 }

@@ -50,7 +50,9 @@ class TiledMesh {
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     HMESH_NEVER_INLINE HMESH_COLD TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
                                             const ParallelFor& parallel_for = {})
-        : source_(&source), limits_(limits), progress_(&progress), parallel_for_(parallel_for) {}
+        : source_(&source), limits_(limits), progress_(&progress), polling_(progress, parallel_for), parallel_for_(polling_) {}
+    TiledMesh(const TiledMesh&) = delete;             ///< not copied: its executor refers to it
+    TiledMesh& operator=(const TiledMesh&) = delete;  ///< not assigned
 
     /// The image to be meshed.
     [[nodiscard]] const ImageSource<C>& source() const noexcept { return *source_; }
@@ -59,12 +61,15 @@ class TiledMesh {
     /// Told of stages and of the work in patches; says whether the work was cancelled.
     [[nodiscard]] ProgressReporter& progress() const noexcept { return *progress_; }
     /// From now on another reporter is told, which must outlive the TiledMesh; between phases only.
-    void report_to(ProgressReporter& progress) noexcept { progress_ = &progress; }
+    void report_to(ProgressReporter& progress) noexcept {
+        progress_ = &progress;
+        polling_.report_to(progress);
+    }
     /// From now on mesh_so_far() is this, whose callable must outlive the work.
     void offer(FunctionRef<Mesh()> mesh_so_far) noexcept { mesh_so_far_ = mesh_so_far; }
     /// What progress() may offer as ProgressInfo::mesh_so_far between phases; empty: nothing.
     [[nodiscard]] FunctionRef<Mesh()> mesh_so_far() const noexcept { return mesh_so_far_; }
-    /// The executor of pieces of work.
+    /// The executor of pieces of work, which asks the callback of progress() before each.
     [[nodiscard]] const ParallelFor& parallel_for() const noexcept { return parallel_for_; }
     /// The mesh between phases, to read or to replace; not within for_each() or visit(). After for_each() vertices and faces are
     /// in spatial order within each tile.
@@ -156,6 +161,7 @@ class TiledMesh {
                           FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
                           bool all = false) {
         put_together();
+        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
@@ -213,7 +219,7 @@ class TiledMesh {
         double sum = 0;
         for (const double size : sizes) sum += size;
         const auto piece = [&](std::size_t i) {
-            if (!progress_->poll() && !all) return;
+            if (progress_->stopped() && !all) return;
             TaskProgress task(*progress_, sizes[tiles[i]] / sum);
             body(tiles[i], task);
         };
@@ -261,6 +267,7 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
+        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
@@ -362,7 +369,8 @@ class TiledMesh {
     const ImageSource<C>* source_;
     MeshLimits limits_;
     ProgressReporter* progress_;
-    ParallelFor parallel_for_;
+    PollingExecutor polling_;
+    ParallelFor parallel_for_;  ///< polling_
     FunctionRef<Mesh()> mesh_so_far_;
     IndexedMesh<C> indexed_;
     Tiling tiling_{1, 1, 1};

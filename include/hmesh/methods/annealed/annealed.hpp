@@ -217,6 +217,7 @@ class AnnealedRun {
             pair_sides(delaunay, source.periodic());
             tiled_->indexed() = uncolored_mesh(source, delaunay);
         }
+        (void)progress().poll();
         take_colors(tiled_->indexed(), source);
         return true;
     }
