@@ -137,6 +137,17 @@ def test_tiles_of_15_bits_keep_one_range_of_heights_and_one_border_with_all_effo
         assert all(side(tiles[x, 0], 1, 0) == side(tiles[x, 1], 1, 1) for x in range(3))
 
 
+def test_a_tile_so_far_away_that_floats_leave_some_of_its_samples_out_is_not_written(terrain):
+    with open("dem.raw", "wb") as file:
+        file.truncate(2 * 2 * 2000000)
+    arguments = "dem.raw --size 2000000x2 --type int16 --spacing 0.3371 --tiles 41 --only 40001_0 --max-error 20"
+    for kind in ["glb", "ply", "stl"]:
+        sentence = f"'t_40001_0.{kind}' leaves 2 samples out and covers 0 without data; it is not written\n"
+        terrain.fails(sentence, f"{arguments} -o t.{kind}")
+    assert not list(Path().glob("t_*"))
+    terrain.done(f"{arguments} -o t.obj -q")  # its numbers have as many digits as they need
+
+
 def test_a_folder_that_is_not_there_is_said_to_be_missing(terrain):
     write("dem.pgm", dems.pgm(ground(9, 8)))
     terrain.fails("cannot write 'nowhere/model.ply': No such file or directory", "dem.pgm -o nowhere/model.ply --max-error 2")
