@@ -149,6 +149,19 @@ def test_ctrl_c_with_keep_partial_leaves_the_colours_that_a_method_has(hmesh):
         assert abs(above + (y - j) * (below - above) - value) < 0.51
 
 
+@pytest.mark.parametrize("method", ["hierarchical", "xie", "adams", "adaptive_thinning"])
+def test_ctrl_c_while_a_method_of_the_paper_runs_is_as_while_the_usual_one_does(hmesh, method):
+    Image.open("picture.png").resize((1200, 900)).save("large.png", compress_level=1)
+    before = contents()
+    arguments = f"--method {method} --vertices 9000 -o keep.ply --report new.json"
+    interrupt(hmesh, arguments, "nothing is written, as --keep-partial is not given", delay=0.2)
+    assert contents() == before
+    interrupt(hmesh, f"{arguments} --keep-partial", "the mesh reached so far, ", delay=0.2)
+    report = json.loads(read("new.json"))
+    assert report["status"] == "interrupted" and report["vertices"] <= 9000
+    assert f"element vertex {report['vertices']}" in ply_header("keep.ply")
+
+
 def test_ctrl_c_in_a_search_with_keep_partial_writes_the_mesh_reached_so_far(hmesh):
     interrupt(hmesh, "-o search.ply --psnr 60 --effort best --keep-partial", "the mesh reached so far, ")
     assert is_whole("search.ply")
