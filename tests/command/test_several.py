@@ -177,6 +177,17 @@ def test_where_nobody_reads_the_lines_the_run_ends(hmesh):
     assert [path.name for path in Path("out").iterdir()] == ["picture.ply"]
 
 
+@pytest.mark.skipif(not Path("/dev/full").is_char_device(), reason="there is no /dev/full")
+def test_where_the_line_of_a_failure_finds_no_space_the_run_ends_and_says_so(hmesh):
+    with open("/dev/full", "wb") as file:
+        run = hmesh.run("text.png grey.pgm -o out/{name}.ply --json", stdout=file)
+    unread, untold, total = run.stderr.splitlines()
+    assert run.returncode == 1 and unread.startswith("hmesh: cannot read 'text.png': ")
+    assert untold == "hmesh: cannot write to the standard output: No space left on device"
+    assert total == "hmesh: 1 of 2 images failed, and 1 of 2 images were not begun"
+    assert not Path("out").exists()
+
+
 def test_one_image_that_takes_too_much_memory_fails_alone(hmesh):
     within = hmesh.within_memory(1024**3)
     Path("flat.pgm").write_bytes(b"P5 1024 1024 255\n" + bytes(1024**2))

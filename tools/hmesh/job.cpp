@@ -423,8 +423,9 @@ JobEnd run_job(const Arguments& arguments, bool is_one_of_several, std::optional
     if (failure.why.empty()) return JobEnd::done;
     fail(failed, failure.why);
     if (arguments.json && !failure.is_reported) {
-        std::fputs(failure_json(arguments, failure.why).c_str(), stdout);
-        failure.ends_the_run = std::fflush(stdout) != 0 || failure.ends_the_run;
+        const std::string untold = tell(arguments, failure_json(arguments, failure.why), [](std::FILE*) {});
+        if (!untold.empty()) fail(failed, untold);
+        failure.ends_the_run = !untold.empty() || failure.ends_the_run;
     }
     return failure.ends_the_run || interrupted ? JobEnd::failed_for_all : JobEnd::failed;
 }
