@@ -1,9 +1,14 @@
 """Jobs in files, of whatever command: their tasks, files and receipts."""
+import contextlib
 import hashlib
 import json
 import os
+import shutil
 import signal
+import subprocess
 from pathlib import Path
+
+from conftest import is_failure
 
 
 def phases(folder="job"):
@@ -41,6 +46,33 @@ def forge(path, **changes):
     text = json.dumps(values, indent=1, ensure_ascii=False)
     values["check"] = hashlib.sha256(text.encode()).hexdigest()
     Path(path).write_text(json.dumps(values, indent=1, ensure_ascii=False) + "\n")
+
+
+def join_interrupted(command, task, output):
+    """Ctrl-C as it has read the receipt of a task, which is a pipe for that long: the one sentence that it says then."""
+    receipt = Path(f"job/done/{task}.json")
+    whole = receipt.read_bytes()
+    for _ in range(9):  # a busy machine may have all joined before the signal is sent
+        receipt.unlink()
+        os.mkfifo(receipt)
+        with subprocess.Popen(command.words(f"job join job -o {output}"), stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                              encoding="utf-8") as job:
+            pipe = None
+            while pipe is None and job.poll() is None:
+                with contextlib.suppress(OSError):  # nobody reads it yet
+                    pipe = os.open(receipt, os.O_WRONLY | os.O_NONBLOCK)
+            receipt.unlink()
+            receipt.write_bytes(whole)  # for who reads it again
+            assert pipe is not None
+            os.write(pipe, whole)
+            os.close(pipe)
+            job.send_signal(signal.SIGINT)
+            out, err = job.communicate(timeout=60)
+        if job.returncode != 0:
+            break
+        shutil.rmtree(output) if Path(output).is_dir() else Path(output).unlink()
+    is_failure(subprocess.CompletedProcess(job.args, job.returncode, out, err), "interrupted")
+    return err
 
 
 def kill_session(started):

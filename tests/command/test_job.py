@@ -2,6 +2,7 @@
 import json
 import os
 import random
+import re
 import resource
 import shutil
 import signal
@@ -15,7 +16,7 @@ import pytest
 import dems
 from conftest import contents, is_failure, limit, read, rows, send_once_caught
 from dems import ground, judge, read_model, with_holes
-from jobs import finish, forge, kill_session, phases, receipts, run, sums, tiles
+from jobs import finish, forge, join_interrupted, kill_session, phases, receipts, run, sums, tiles
 
 WIDTH, HEIGHT, CELLS = 120, 75, 32
 TILES = [(x, y) for y in range(3) for x in range(4)]
@@ -127,6 +128,21 @@ def test_a_full_disk_leaves_nothing_of_a_whole(terrain):
     for output in ["whole.ply", "whole.obj", "whole.glb", "served"]:
         terrain.fails("cannot write '", f"job join job -o {output}", **limit(resource.RLIMIT_FSIZE, 1024))
     assert contents() == before
+
+
+def test_ctrl_c_while_tiles_are_joined_leaves_no_file_and_no_folder_that_looks_whole(terrain):
+    plan(terrain)
+    finish(terrain)
+    before = contents()
+    for output in ["whole.ply", "whole.obj", "whole.glb"]:
+        said = join_interrupted(terrain, "tile_0_0001_0000", output)  # it goes over all tiles more than once
+        assert re.fullmatch(rf"hmesh-terrain: (cannot write '{output}': )?interrupted(; nothing is written)?\n", said)
+    assert contents() == before
+    said = join_interrupted(terrain, "tile_0_0001_0000", "served")
+    assert re.fullmatch(r"hmesh-terrain: interrupted; ('served' has no index yet|'served/.*' is not written)\n", said)
+    assert not Path("served/index.json").exists()
+    terrain.done("job join job -o served -q")
+    assert tiles("served") == tiles()
 
 
 def test_a_folder_of_tiles_has_an_index_and_is_copied_again_where_it_differs(terrain):

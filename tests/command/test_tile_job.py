@@ -3,6 +3,7 @@ import json
 import math
 import os
 import random
+import re
 import resource
 import shutil
 import struct
@@ -14,7 +15,7 @@ import pytest
 from PIL import Image
 
 from conftest import contents, is_failure, is_whole, limit, read, rows
-from jobs import finish, forge, phases, receipts, run, sums, tiles
+from jobs import finish, forge, join_interrupted, phases, receipts, run, sums, tiles
 from test_psnr import psnr_of, read_glb, read_ply
 
 WIDTH, HEIGHT, TILE = 230, 150, 64  # 4 x 3 tiles
@@ -544,6 +545,21 @@ def test_join_refuses_tiles_that_were_damaged_after_they_were_indexed(hmesh):
     assert not Path("whole.ply").exists() and not list(Path().glob("*/index.json"))
     Path("job/done/index.json").unlink()
     hmesh.fails("the task index is not done", "job join job -o whole.ply")
+
+
+def test_ctrl_c_while_tiles_are_joined_leaves_no_file_and_no_folder_that_looks_whole(hmesh):
+    plan(hmesh)
+    finish(hmesh)
+    before = contents()
+    said = join_interrupted(hmesh, "tile_0_0001_0000", "new.ply")
+    assert said in {"hmesh: interrupted; nothing is written\n", "hmesh: cannot write 'new.ply': interrupted\n"}
+    assert contents() == before
+    said = join_interrupted(hmesh, "tile_0_0001_0000", "served")
+    assert re.fullmatch(r"hmesh: interrupted; ('served' has no index yet|'served/.*' is not written)\n", said)
+    served = [str(path) for path in Path("served").rglob("*") if path.is_file()]
+    assert served and all(name.endswith(".glb") and is_whole(name) for name in served)
+    hmesh.done("job join job -o served -q")
+    assert len(tiles("served")) == 12 + 1
 
 
 def test_a_full_disk_loses_no_finished_task(hmesh):
