@@ -316,6 +316,23 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
             }
 }
 
+TEST_CASE("a vertex on the cut of a periodic mesh is free in no tile, and has the faces of all its copies") {
+    for (const hmesh::Periodic periodic : {hmesh::Periodic::x, hmesh::Periodic::y, hmesh::Periodic::xy})
+        for (const double tile : {4.0, 9.0, 100.0}) {
+            const IndexedMesh<1> whole = hmesh_test::random_periodic(24, 18, 60, periodic, 4);
+            const Cut cut = kit::detail::cut(whole.positions, whole.faces, Tiling(24, 18, tile), whole.roots);
+            std::vector<int> count(whole.vertex_count(), 0);
+            for (const Triangle& face : whole.faces)
+                for (const std::uint32_t v : face) ++count[whole.roots[v]];
+            for (std::size_t v = 0; v < whole.vertex_count(); ++v) {
+                REQUIRE(cut.face_count[v] == count[whole.roots[v]]);
+                if (whole.roots[v] == v) continue;
+                REQUIRE(cut.owner[v] == Cut::locked);
+                REQUIRE(cut.owner[whole.roots[v]] == Cut::locked);
+            }
+        }
+}
+
 TEST_CASE("patches of irregular meshes are sound, know their rims, sum up to the whole and come back as they went") {
     Met met;
     std::uint64_t seed = 0;

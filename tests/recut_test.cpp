@@ -11,35 +11,17 @@
 #include <utility>
 #include <vector>
 
-#include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/mesh/halfedge_mesh.hpp"
-#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "periodic_sheets.hpp"
 #include "test_images.hpp"
+#include "test_indexed_meshes.hpp"
 
 using hmesh::Periodic;
 using hmesh::kit::IndexedMesh;
 using hmesh::kit::Point;
+using hmesh_test::random_periodic;
 
 namespace {
-
-// A periodic mesh of random points, whose cut is along the sides.
-IndexedMesh<1> random_mesh(int width, int height, int points, Periodic periodic, std::uint64_t seed) {
-    hmesh::kit::Random random(seed);
-    hmesh::kit::Delaunay delaunay(width, height);
-    for (int k = 0; k < points; ++k) {
-        Point p = hmesh::kit::snap(Point{random.uniform() * width, random.uniform() * height});
-        if (k % 3 == 0) p.x = 0;
-        if (k % 5 == 0) p.y = 0;
-        (void)delaunay.insert(p);
-    }
-    hmesh::kit::pair_sides(delaunay, periodic);
-    const auto image = hmesh_test::noise<std::uint8_t, 1>(width, height, seed);
-    const auto view = image.view();
-    IndexedMesh<1> mesh = hmesh::kit::delaunay_mesh(hmesh::kit::ImageSource<1>(view), delaunay);
-    hmesh::kit::tie(mesh, periodic);
-    return mesh;
-}
 
 // What a mesh is on the torus: its faces by the places of their corners, each face from its least corner on.
 std::multiset<std::array<double, 9>> faces_of(const IndexedMesh<1>& mesh) {
@@ -67,7 +49,7 @@ TEST_CASE("a mesh that is cut elsewhere is the same on the torus, and its faces 
     for (const Periodic periodic : axes)
         for (std::uint64_t seed = 0; seed < 6; ++seed) {
             const int width = 12 + static_cast<int>(seed), height = 9;
-            IndexedMesh<1> mesh = random_mesh(width, height, 40, periodic, seed);
+            IndexedMesh<1> mesh = random_periodic(width, height, 40, periodic, seed);
             REQUIRE(hmesh::kit::check(mesh));
             const auto before = faces_of(mesh);
             const std::size_t distinct = mesh.distinct_count();
@@ -88,9 +70,9 @@ TEST_CASE("a mesh that is cut elsewhere is the same on the torus, and its faces 
 }
 
 TEST_CASE("vertices that were locked stay in front, and marks of copies come together") {
-    IndexedMesh<1> mesh = random_mesh(16, 16, 50, Periodic::xy, 3);
+    IndexedMesh<1> mesh = random_periodic(16, 16, 50, Periodic::xy, 3);
     std::fill(mesh.dirty.begin(), mesh.dirty.end(), static_cast<unsigned char>(0));
-    const std::size_t copy = static_cast<std::size_t>(
+    const auto copy = static_cast<std::size_t>(
         std::find_if(mesh.roots.begin(), mesh.roots.end(),
                      [&](std::uint32_t& root) { return root != static_cast<std::uint32_t>(&root - mesh.roots.data()); }) -
         mesh.roots.begin());
@@ -118,7 +100,7 @@ TEST_CASE("the last cut is shorter than that by centroids, and a surface with a 
     std::size_t before = 0, after = 0;
     for (const Periodic periodic : axes)
         for (std::uint64_t seed = 0; seed < 8; ++seed) {
-            IndexedMesh<1> mesh = random_mesh(14, 11, 60, periodic, seed + 20);
+            IndexedMesh<1> mesh = random_periodic(14, 11, 60, periodic, seed + 20);
             // Points that are not on the sides, so that there is something to shorten.
             for (Point& p : mesh.positions) {
                 if (hmesh::kit::wraps_x(periodic)) p.x += 0.5;
@@ -137,7 +119,7 @@ TEST_CASE("the last cut is shorter than that by centroids, and a surface with a 
             CHECK(topology.assign(mesh.vertex_count(), mesh.faces));
             CHECK(hmesh_test::sheet_flaw(to_mesh(mesh, 255)) == "");
             // Along the sides again.
-            mesh = random_mesh(14, 11, 60, periodic, seed + 20);
+            mesh = random_periodic(14, 11, 60, periodic, seed + 20);
             hmesh::kit::recut(mesh, 3, 3);
             hmesh::kit::finish_cut(mesh, true);
             for (const Point p : mesh.positions) CHECK((p.x >= 0 && p.x <= 14 && p.y >= 0 && p.y <= 11));
@@ -150,7 +132,7 @@ TEST_CASE("after the last cut no face has two neighbours on another side, no ver
     int added = 0;
     for (const auto& [width, height, points] : {std::array{8, 3, 8}, {3, 3, 8}, {5, 3, 14}, {8, 3, 30}})
         for (std::uint64_t seed = 0; seed < 32; ++seed) {
-            IndexedMesh<1> mesh = random_mesh(width, height, points, Periodic::xy, seed);
+            IndexedMesh<1> mesh = random_periodic(width, height, points, Periodic::xy, seed);
             for (Point& p : mesh.positions) p = {p.x + 0.5, p.y + 0.25};
             hmesh::kit::recut(mesh, 0, 0);
             const auto faces = faces_of(mesh);
@@ -202,7 +184,7 @@ TEST_CASE("the two triangles of an image are a torus of one vertex") {
 }
 
 TEST_CASE("a mesh that is not periodic is left as it is") {
-    IndexedMesh<1> mesh = random_mesh(9, 9, 12, Periodic::none, 4);
+    IndexedMesh<1> mesh = random_periodic(9, 9, 12, Periodic::none, 4);
     const auto faces = mesh.faces;
     const auto positions = mesh.positions;
     hmesh::kit::recut(mesh, 4, 4);

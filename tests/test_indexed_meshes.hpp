@@ -15,7 +15,12 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/mesh/delaunay.hpp"
+#include "hmesh/mesh/periodic.hpp"
+#include "hmesh/tiles/delaunay_mesh.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
+#include "hmesh/tiles/recut.hpp"
+#include "test_images.hpp"
 #include "test_meshes.hpp"
 
 namespace hmesh_test {
@@ -138,6 +143,24 @@ kit::IndexedMesh<C> make_indexed(const hmesh::Image<T, C>& image, Shape shape, i
     REQUIRE(subject.mesh.assign(whole.positions, whole.faces, whole.colors, {}));
     whole.energy = subject.mesh.energy();
     return whole;
+}
+
+// A periodic mesh of random points, whose cut is along the sides.
+inline kit::IndexedMesh<1> random_periodic(int width, int height, int points, hmesh::Periodic periodic, std::uint64_t seed) {
+    kit::Random random(seed);
+    kit::Delaunay delaunay(width, height);
+    for (int k = 0; k < points; ++k) {
+        kit::Point p = kit::snap(kit::Point{random.uniform() * width, random.uniform() * height});
+        if (k % 3 == 0) p.x = 0;
+        if (k % 5 == 0) p.y = 0;
+        (void)delaunay.insert(p);
+    }
+    kit::pair_sides(delaunay, periodic);
+    const auto image = noise<std::uint8_t, 1>(width, height, seed);
+    const auto view = image.view();
+    kit::IndexedMesh<1> mesh = kit::delaunay_mesh(kit::ImageSource<1>(view), delaunay);
+    kit::tie(mesh, periodic);
+    return mesh;
 }
 
 // --- what is true of a mesh whatever its vertices' numbers ---

@@ -455,6 +455,29 @@ TEST_CASE("patches of a small image stay while the tiling stays, and the whole i
     }
 }
 
+TEST_CASE("the copies of a periodic mesh are no vertices of their own, as patches and put together") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(24, 18, 5);
+    for (const hmesh::Periodic periodic : {hmesh::Periodic::x, hmesh::Periodic::y, hmesh::Periodic::xy})
+        for (const double tile : {6.0, 100.0}) {
+            const auto source = ImageSource<1>(image.view()).with_periodic(periodic, false);
+            ProgressReporter progress = silent();
+            TiledMesh<1> work(source, {}, progress);
+            work.indexed() = hmesh_test::random_periodic(24, 18, 60, periodic, 5);
+            const std::size_t distinct = work.vertex_count();
+            for (const bool shift : {false, true}) {
+                const Tiling tiling(24, 18, tile, shift, shift, periodic);
+                REQUIRE(work.for_each(tiling, [](Patch<1>& patch, std::size_t) { kit::sweep(patch.mesh()); }));
+                CHECK(work.vertex_count() == distinct);
+                const IndexedMesh<1>& whole = work.indexed();
+                std::size_t copies = 0;
+                for (std::size_t v = 0; v < whole.vertex_count(); ++v) copies += whole.roots[v] != v ? 1 : 0;
+                CHECK(copies > 0);
+                CHECK(whole.copy_count == copies);
+                CHECK(work.vertex_count() == distinct);
+            }
+        }
+}
+
 TEST_CASE("what was locked in a phase is handed out in the next, once, and only patches that hold some of it have their turn") {
     const auto image = hmesh_test::scene<std::uint8_t, 1>(100, 70, 1);
     const ImageSource<1> source(image.view());
