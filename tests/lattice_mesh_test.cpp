@@ -2,13 +2,16 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "compact_meshes.hpp"
 #include "hmesh/fit/moment_table.hpp"
+#include "hmesh/fit/squared_error.hpp"
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh_image.hpp"
@@ -128,6 +131,18 @@ TEST_CASE("slivers that rounding turns over come to the lattice too, and no edge
     for (const std::uint64_t seed : {15U, 26U, 42U, 56U}) {  // those of the first 60 where such a flip is tried
         CAPTURE(seed);
         (void)settled_slivers(40, 26, 5, 150, 600, seed, 2);
+    }
+    (void)settled_slivers(40, 26, 5, 150, 600, 243, 0);  // where it is tried so that a vertex can be removed
+}
+
+TEST_CASE("edges that are flipped away from a vertex give no other more neighbours than it may have") {
+    for (const std::uint64_t seed : {2U, 6U, 7U, 17U}) {  // those of the first 20 where one had as many
+        CAPTURE(seed);
+        const Mesh mesh = settled_slivers(60, 40, 1, 1600, 16000, seed, 0);
+        std::vector<int> faces(mesh.vertex_count(), 0);
+        for (const hmesh::Triangle& face : mesh.faces)
+            for (const std::uint32_t v : face) ++faces[v];
+        CHECK(*std::max_element(faces.begin(), faces.end()) <= hmesh::kit::max_valence);
     }
 }
 
