@@ -124,6 +124,25 @@ TEST_CASE("edges that are inserted are there, and the flips told lead to them") 
     }
 }
 
+TEST_CASE("edges that take the place of others undo flips, and those left lead to what there is") {
+    const hmesh::detail::Logistic logistic;
+    for (std::uint64_t seed = 0; seed < 20; ++seed) {
+        const std::vector<GridPoint> points = random_points(50, 40, 8, seed);
+        hmesh::kit::Random random(seed);
+        Triangulation mesh(points), again(points);
+        hmesh::detail::FlipFinder finder(mesh);
+        for (int k = 0; k < 40; ++k) {
+            const auto a = static_cast<std::uint32_t>(random.below(points.size()));
+            const auto b = static_cast<std::uint32_t>(random.below(points.size()));
+            if (a != b) (void)finder.insert(std::vector<std::array<std::uint32_t, 2>>(1, {a, b}));
+        }
+        std::vector<std::uint8_t> bytes;
+        hmesh::detail::ArithmeticCoder to(bytes);
+        REQUIRE(hmesh::detail::FlipCoder(to, logistic).code(again, finder.flips()));
+        CHECK(all_faces(again) == all_faces(mesh));
+    }
+}
+
 TEST_CASE("edges that lead over a point are refused") {
     const std::vector<GridPoint> points{{0, 0}, {8, 0}, {8, 8}, {0, 8}, {4, 4}};
     for (const std::array<std::uint32_t, 2> over : {std::array<std::uint32_t, 2>{0, 2}, {1, 3}}) {
