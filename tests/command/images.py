@@ -144,6 +144,12 @@ def bmp(header=40, top_down=False, masks=()):
     return struct.pack("<2sIHHI", b"BM", 14 + len(head) + len(pixels), 0, 0, 14 + len(head)) + head + pixels
 
 
+def bmp_of_os2():
+    """Whose header has 12 bytes, and its sides 16 bits."""
+    pixels = b"".join(line + bytes(-len(line) % 4) for line in rows(lambda x, y: bytes(color(x, y)[::-1]))[::-1])
+    return struct.pack("<2sIHHIIHHHH", b"BM", 26 + len(pixels), 0, 0, 26, 12, WIDTH, HEIGHT, 1, 24) + pixels
+
+
 def with_gap(whole, gap):
     """A BMP file with something between its palette and its pixels."""
     first = struct.unpack_from("<I", whole, 10)[0]
@@ -164,6 +170,14 @@ def tga(bits=24, kind=2, descriptor=0x20, pixels=None, color_map=b""):
     return head + color_map + (pixels if pixels is not None else b"".join(rows(lambda x, y: bytes(color(x, y)[::-1]))))
 
 
+def tga_of_5_bits_a_color(bits):
+    def pixel(x, y):
+        red, green, blue = (sample >> 3 for sample in color(x, y))
+        return struct.pack("<H", red << 10 | green << 5 | blue)
+
+    return tga(bits, pixels=b"".join(rows(pixel)))
+
+
 def all_files():
     """Name: bytes, each of a whole picture that every decoder reads."""
     rgb, grey, rgba, palette = picture(), picture("L"), picture("RGBA"), picture("P")
@@ -182,6 +196,7 @@ def all_files():
         "palette_gap.bmp": with_gap(saved(palette, "BMP"), b"gap" * 400),
         "bits.bmp": saved(picture("1"), "BMP"), "top_down.bmp": bmp(top_down=True),
         "masks.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0)), "alpha_mask.bmp": bmp(56, masks=(0xff0000, 0xff00, 0xff, 0xff000000)),
+        "os2.bmp": bmp_of_os2(), "bits15.tga": tga_of_5_bits_a_color(15), "bits16.tga": tga_of_5_bits_a_color(16),
         "rgb.tga": saved(rgb, "TGA"), "runs.tga": saved(rgb, "TGA", compression="tga_rle"),
         "zeros.tga": tga(32, pixels=b"".join(rows(lambda x, y: bytes(color(x, y)[::-1]) + b"\0"))),
         "alpha.tga": saved(rgba, "TGA"), "palette.tga": saved(palette, "TGA"), "grey.tga": saved(grey, "TGA"),

@@ -40,7 +40,10 @@ WHOLE = rows("""
     masks_gap.bmp   | 3 |  8 |  0
     long_gap.bmp    | 3 |  8 |  0
     palette_gap.bmp | 3 |  8 | 40
+    os2.bmp         | 3 |  8 |  0
     rgb.tga         | 3 |  8 |  0
+    bits15.tga      | 3 |  8 |  7
+    bits16.tga      | 3 |  8 |  7
     runs.tga        | 3 |  8 |  0
     alpha.tga       | 4 |  8 |  1
     zeros.tga       | 3 |  8 |  0
