@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <utility>
 
 #include "hmesh/core/random.hpp"
 #include "hmesh/fit/image_source.hpp"
@@ -96,6 +97,27 @@ TEST_CASE("a sample is the pixel at its center, bilinear in between, and the nea
     check_samples(hmesh_test::noise<std::uint8_t, 2>(1, 9, 6));
     check_samples(hmesh_test::noise<float, 1>(9, 1, 7));
     check_samples(hmesh_test::noise<std::uint16_t, 16>(2, 2, 8));
+}
+
+TEST_CASE("a sample asks for pixels of the image alone, and at a centre for no other than its own") {
+    hmesh::kit::Random random(9);
+    for (const auto& [columns, rows] : {std::pair(1, 1), std::pair(1, 6), std::pair(6, 1), std::pair(5, 4)}) {
+        const int width = columns, height = rows;
+        for (int k = 0; k < 100; ++k) {
+            const bool is_center = k % 2 == 0;
+            // Of the others half on the lines through the corners and the middle.
+            const auto place = [&](int size) {
+                const double at = size * random.uniform();
+                return is_center ? std::floor(at) + 0.5 : k % 4 == 1 ? at : static_cast<double>(random.below(3)) * size / 2;
+            };
+            const double x = place(width), y = place(height);
+            (void)sampled_color<1>(width, height, {x, y}, [&](int i, int j) {
+                REQUIRE((i >= 0 && i < width && j >= 0 && j < height));
+                if (is_center) CHECK((i == static_cast<int>(x) && j == static_cast<int>(y)));
+                return Color<1>::zero();
+            });
+        }
+    }
 }
 
 TEST_CASE("samples of a linear picture are its values, as far in as the outermost centres") {
