@@ -107,6 +107,21 @@ TEST_CASE("the cheapest goes first: of notches the shallowest, of cut corners th
     CHECK(frame.double_area() == area + px2 * 19 / 2);
 }
 
+TEST_CASE("a hole that has lost a corner costs more for each of those left, wherever it is asked for") {
+    constexpr std::int32_t px = 256, cut = 7 * px + px / 8;
+    // A cross of arms of 8 x 8 px, off which a corner is cut: an end of that goes for 3.5 px^2. With the hole a corner costs
+    // 24.6 px^2 before and 26.3 after that, and by itself 28 at least; the cut off the square costs 25.4.
+    hmesh::kit::Loop cross = {{27, 18}, {26, 19}, {26, 26}, {18, 26}, {18, 34}, {26, 34}, {26, 42},
+                              {34, 42}, {34, 34}, {42, 34}, {42, 26}, {34, 26}, {34, 18}};
+    for (hmesh::kit::GridPoint& p : cross) p = {p.x * px, p.y * px};
+    Polygons frame({{{cut, 0}, {60 * px, 0}, {60 * px, 60 * px}, {0, 60 * px}, {0, cut}}, cross}, 60, 60);
+    hmesh::kit::remove_corners(frame, 16);
+    CHECK(frame.corners() == 16);
+    CHECK(frame.double_area() == std::int64_t{2} * px * px * (60 * 60 - 316));
+    hmesh::kit::remove_corners(frame, 15);
+    CHECK(frame.corners() == 4);
+}
+
 TEST_CASE("a corner in line with its neighbours goes for nothing, beside one that is not convex too") {
     constexpr std::int32_t px = 256;
     const hmesh::kit::Loop step = {{0, 10 * px}, {5 * px, 10 * px},  {10 * px, 10 * px}, {10 * px, 0},
