@@ -6,8 +6,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "hmesh/fit/image_source.hpp"
+#include "hmesh/mesh/delaunay.hpp"
 #include "jittered_mesh.hpp"
 
 namespace {
@@ -61,6 +64,18 @@ TEST_CASE("V K is the positions of the pixels") {
         const MatrixXd residual = gram_matrix(s.mesh) * position_matrix(s.mesh) - position_rhs(s.mesh);
         CHECK(largest(residual) <= 1e-9 * largest(position_rhs(s.mesh)));
     }
+}
+
+TEST_CASE("samples that are points have their columns of K too, those on the far sides of the mesh among them") {
+    const auto image = test::noise<std::uint8_t, 1>(12, 9, 3);
+    const auto source = hmesh::kit::ImageSource<1>(image.view()).with_samples(hmesh::Samples::points);
+    const hmesh::kit::MomentTable<1> table = source.table({0, 0, 12, 9});
+    hmesh::kit::Delaunay delaunay(12, 9, hmesh::Samples::points);
+    for (const auto& [x, y] : {std::pair(3.5, 2.25), std::pair(11.5, 4.0), std::pair(7.0, 8.5), std::pair(6.5, 4.5)})
+        delaunay.insert({x, y});
+    hmesh::kit::ImageMesh<1> mesh(table, 0, 255);
+    REQUIRE(mesh.assign(delaunay.positions(), delaunay.topology().triangles()));
+    CHECK(largest(barycentric_matrix(mesh).transpose() * position_matrix(mesh) - centers(12, 9)) < 1e-9);
 }
 
 TEST_CASE("I(V) has the colours of the vertices, row by row, and V their places") {

@@ -16,7 +16,9 @@
 #include <vector>
 
 #include "hmesh/core/random.hpp"
+#include "hmesh/fit/image_source.hpp"
 #include "hmesh/image/weights.hpp"
+#include "hmesh/mesh/delaunay.hpp"
 #include "hmesh/solve/eigen.hpp"
 #include "test_executors.hpp"
 #include "test_images.hpp"
@@ -391,6 +393,19 @@ TEST_CASE("foot_sums over a weighted table count each pixel as often as its weig
     Weighted<std::uint8_t, 3> subject(hmesh_test::scene<std::uint8_t, 3>(19, 16, 4), hmesh_test::random_weights(19, 16, 4),
                                       hmesh_test::jittered_grid(19, 16, 4, 3, 4));
     check_sums(subject.mesh, 0.2);
+}
+
+TEST_CASE("foot_sums count each sample that is a point once, on the far sides of the mesh too") {
+    const auto image = hmesh_test::noise<std::uint8_t, 1>(12, 9, 3);
+    const auto source = kit::ImageSource<1>(image.view()).with_samples(hmesh::Samples::points);
+    const kit::MomentTable<1> table = source.table({0, 0, 12, 9});
+    kit::Delaunay delaunay(12, 9, hmesh::Samples::points);
+    for (const auto& [x, y] : {std::pair(3.5, 2.25), std::pair(11.5, 4.0), std::pair(7.0, 8.5), std::pair(6.5, 4.5)})
+        delaunay.insert({x, y});
+    ImageMesh<1> mesh(table, 0, 255);
+    REQUIRE(mesh.assign(delaunay.positions(), delaunay.topology().triangles()));
+    for (const FootSearch search : {FootSearch::own_face, FootSearch::one_ring})
+        CHECK(Sums<1>(mesh, kit::foot_sums(mesh, search, 0.2)).gram.sum() == doctest::Approx(12 * 9).epsilon(1e-9));
 }
 
 TEST_CASE("foot_sums without a search are corner_sums") {
