@@ -285,6 +285,45 @@ TEST_CASE("the error never rises against conversion, however coarse the grid") {
         }
 }
 
+TEST_CASE("a step that goes so far that the error rises is halved until it falls") {
+    const auto image = hmesh_test::draw<std::uint8_t, 1>(8, 8, [](int, int, int) { return 0.42; });
+    Mesh mesh = jittered(image, 8, 1);
+    std::fill(mesh.colors.begin(), mesh.colors.end(), 204.0F);  // from which a step leads to black
+    LinearLightOptions options;
+    options.iterations = 1;
+    LinearLightReport report = fit_linear_light(mesh, image.view(), options);
+    CHECK(report.iterations == 1);
+    CHECK(report.energy < 0.5 * report.converted);
+    options.iterations = 6;
+    report = fit_linear_light(mesh, image.view(), options);
+    CHECK(report.energy < 1e-3 * report.converted);
+}
+
+TEST_CASE("colours that are the best on the grid stay, where a step rounded to it would lose") {
+    for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+        CAPTURE(seed);
+        const auto image = contrasty<std::uint8_t, 1>(8, 8, seed);
+        Mesh best = jittered(image, 8, seed);
+        double least = std::numeric_limits<double>::max();
+        LinearLightOptions options;
+        options.grid = 127.5;
+        options.iterations = 0;
+        for (int k = 0; k < 81; ++k) {
+            Mesh mesh = best;
+            mesh.colors = {static_cast<float>(k % 3) * 127.5F, static_cast<float>(k / 3 % 3) * 127.5F,
+                           static_cast<float>(k / 9 % 3) * 127.5F, static_cast<float>(k / 27 % 3) * 127.5F};
+            const double energy = fit_linear_light(mesh, image.view(), options).energy;
+            if (energy < least) least = energy, best = mesh;
+        }
+        Mesh fitted = best;
+        options.iterations = 6;
+        const LinearLightReport report = fit_linear_light(fitted, image.view(), options);
+        CHECK(report.iterations > 0);
+        CHECK(report.energy == least);
+        CHECK(fitted.colors == best.colors);
+    }
+}
+
 TEST_CASE("weights count each pixel as often as they say") {
     const auto image = contrasty<std::uint8_t, 1>(24, 24, 3);
     auto weights = hmesh_test::random_weights(24, 24, 5);
