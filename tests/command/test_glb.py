@@ -108,6 +108,19 @@ def test_positions_of_a_packed_file_are_exact_whatever_the_size(hmesh, width, st
     assert places == {(round(x * steps), round(y * steps)) for x, y in at}
 
 
+def test_positions_of_an_image_of_more_than_65535_quarters_of_a_pixel_are_rounded_to_as_many_steps(hmesh):
+    Path("long.pgm").write_bytes(b"P5 20000 3 255\n" + bytes((x * x // 977 + 40 * y) % 256 for y in range(3) for x in range(20000)))
+    hmesh.done("long.pgm --vertices 200 --effort draft -o mesh.glb --glb packed -o mesh.ply -q")
+    body = read("mesh.ply").partition(b"end_header\n")[2]
+    at = [struct.unpack_from("<2f", body, 13 * i) for i in range(200)]
+    assert all((x * 4).is_integer() and (y * 4).is_integer() for x, y in at)
+    file, step = Glb("mesh.glb"), 20000 / 65535
+    assert file.json["nodes"][0]["scale"][0] == pytest.approx(1 / 65535, rel=1e-8)
+    places = {tuple(round(x * 65535) for x in place[:2]) for place in file.places}
+    assert places == {(math.floor(x / step + 0.5), math.floor(y / step + 0.5)) for x, y in at}
+    assert max(x for x, _ in places) == 65535
+
+
 @pytest.mark.parametrize("steps", [4, 16, 256])
 def test_positions_lie_on_the_grid_asked_for(hmesh, steps):
     hmesh.done(f"picture.png --vertices 150 -o mesh.glb --glb packed --grid {steps} -q")
