@@ -313,7 +313,9 @@ TEST_CASE("colours that are the best on the grid stay, where a step rounded to i
             mesh.colors = {static_cast<float>(k % 3) * 127.5F, static_cast<float>(k / 3 % 3) * 127.5F,
                            static_cast<float>(k / 9 % 3) * 127.5F, static_cast<float>(k / 27 % 3) * 127.5F};
             const double energy = fit_linear_light(mesh, image.view(), options).energy;
-            if (energy < least) least = energy, best = mesh;
+            if (energy >= least) continue;
+            least = energy;
+            best = mesh;
         }
         Mesh fitted = best;
         options.iterations = 6;

@@ -151,7 +151,7 @@ def test_ctrl_c_with_keep_partial_leaves_the_colours_that_a_method_has(hmesh):
 
 @pytest.mark.parametrize("method", ["hierarchical", "xie", "adams", "adaptive_thinning"])
 def test_ctrl_c_while_a_method_of_the_paper_runs_is_as_while_the_usual_one_does(hmesh, method):
-    Image.open("picture.png").resize((1200, 900)).save("large.png", compress_level=1)
+    Image.open("picture.png").resize((2000, 2000)).save("large.png", compress_level=1)
     before = contents()
     arguments = f"--method {method} --vertices 9000 -o keep.ply --report new.json"
     interrupt(hmesh, arguments, "nothing is written, as --keep-partial is not given", delay=0.2)
