@@ -192,7 +192,8 @@ inline bool remove_offered(Polygons& polygons, std::size_t count, Offers& offers
             blocked.push_back(v);
             continue;
         }
-        // What is swallowed changes the price: its turn may come later.
+        // A hole that has lost corners costs more for each of those left: its turn may come later. What is swallowed makes a
+        // removal cheaper than it was offered, and its turn comes late.
         if (const double now = removal.price(); now > best->price && now > offers.least_price()) {
             offers.add(v, now);
             continue;
