@@ -187,8 +187,8 @@ class NestedColors {
         return out;
     }
     /// Fits the colours, within a range, to all levels; each is weighted by its share coarser_weight^k over its error as it is now.
-    /// Repeated, this makes the weighted sum of the errors' logarithms least.
-    HMESH_COLD void fit(ColorRange range, double coarser_weight) {
+    /// Repeated, this makes the weighted sum of the errors' logarithms least. go_on() is asked between sweeps.
+    HMESH_COLD void fit(ColorRange range, double coarser_weight, FunctionRef<bool()> go_on) {
         kit::Array<double> weights = energies();
         const double most = *std::max_element(weights.begin(), weights.end());
         double sum = 0, share = 1;
@@ -198,7 +198,7 @@ class NestedColors {
             share *= coarser_weight;
         }
         for (double& weight : weights) weight *= static_cast<double>(weights.size()) / sum;
-        (void)descend(weighted_sum(systems_, weights), range, colors_, [] { return true; });
+        (void)descend(weighted_sum(systems_, weights), range, colors_, go_on);
     }
 
   private:
@@ -270,6 +270,7 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
 
     kit::ProgressReporter progress(options.progress, samples, source.peak());
     progress.plan({0.85, 0.15});
+    const kit::PollingExecutor polling(progress, parallel_for);
     const kit::MomentTable<C> table = source.table({0, 0, source.width(), source.height()}, parallel_for);
     kit::ImageMesh<C> mesh(table, source.low(), source.high(), options.limits);
     out.status = mesh.assign(start.positions, start.faces, start.colors, parallel_for);
@@ -286,17 +287,21 @@ HMESH_COLD void nest(const kit::ImageSource<C>& source, double samples, const Me
 
     NestedLevels<C> all = nested(start, std::move(levels));
     kit::detail::NestedColors<C> fit(table, source, options.limits, all.vertices.positions, all.faces, all.counts,
-                                     std::move(all.vertices.colors), parallel_for);
+                                     std::move(all.vertices.colors), polling);
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
-    for (int round = 0; round < 3; ++round)
-        fit.fit({source.low(), source.high(), round < 2 ? 0 : grid}, nested_options.coarser_weight);
+    for (int round = 0; round < 3; ++round) {
+        fit.fit({source.low(), source.high(), round < 2 ? 0 : grid}, nested_options.coarser_weight, [&] { return progress.poll(); });
+        if (!progress.stopped()) continue;
+        out.status = kit::cancelled_by_callback();
+        return;
+    }
     const kit::Array<double> energies = fit.energies();
     all.vertices.colors = fit.colors();
     all.vertices.faces = all.faces.front();
     out.mesh = kit::to_mesh(all.vertices, source.peak());
     out.mesh.premultiplied = options.premultiplied;
     for (std::size_t k = 0; k < all.faces.size(); ++k) out.levels.push_back({all.counts[k], std::move(all.faces[k]), 0, 0});
-    tell_errors(source, samples, energies, parallel_for, out);
+    tell_errors(source, samples, energies, polling, out);
     progress.end(start.vertex_count(), out.levels.front().energy);
     if (!progress.stopped()) return;
     out = ProgressiveMesh();

@@ -143,9 +143,10 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
         case Bounded::Effort::normal: progress.plan({2, 50, 1}); break;
         default: progress.plan({2, 120, 1}); break;
     }
+    const kit::PollingExecutor polling(progress, parallel_for);
     double reached = 0;  // the energy of the last sheet
     const auto energy = [&](const kit::Sheet& sheet) {
-        return reached = prove(bounded_mesh(sheet, field, peak).view(), field, read, parallel_for).energy;
+        return reached = prove(bounded_mesh(sheet, field, peak).view(), field, read, polling).energy;
     };
     const kit::Sheet sheet = kit::BoundedPieces(field, limits, recipe, progress, parallel_for).run(energy);
     if (sheet.faces.empty()) {
@@ -156,7 +157,7 @@ HMESH_COLD inline void give_room(kit::HeightField& field, const kit::BoundedLimi
     }
     result.mesh = bounded_mesh(sheet, field, peak);
     progress.begin_last("proof", sheet.vertices.size(), reached);
-    const kit::Proof proof = prove(result.mesh.view(), field, read, parallel_for);
+    const kit::Proof proof = prove(result.mesh.view(), field, read, polling);
     if (!proof.is_cover || proof.max_error > recipe.max_error) {
         // Not to be expected; but no mesh is returned as one that holds which does not.
         result = {};
