@@ -226,7 +226,7 @@ class AnnealedRun {
     /// once progress has stopped.
     HMESH_COLD Array<std::uint32_t> first_pixels(double count, Array<Point>& on_lines) {
         const ImageSource<C>& source = tiled_->source();
-        const auto go_on = [&] { return progress().poll(); };
+        const auto go_on = [&] { return !progress().stopped(); };
         const auto left = [&] { return static_cast<std::size_t>(std::max(0.0, count - static_cast<double>(on_lines.size()))); };
         if (source.is_read() && source.periodic() == Periodic::none)
             return source.calls().points(source, left(), tiled_->parallel_for(), go_on);
