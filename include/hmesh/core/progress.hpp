@@ -208,6 +208,7 @@ class PollingExecutor {
     /// From now on another reporter is asked, which must outlive it too.
     void report_to(ProgressReporter& reporter) noexcept { reporter_ = &reporter; }
 
+    /// Runs the pieces, as the executor that it was made of does.
     HMESH_COLD void operator()(std::size_t n, Piece piece) const {
         parallel_for_(n, [&](std::size_t i) {
             (void)reporter_->poll();
