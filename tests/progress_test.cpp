@@ -87,6 +87,17 @@ std::vector<std::string> check_calls(const std::vector<Recorder::Call>& calls) {
     return stages;
 }
 
+// What a callback is told of a mesh that is finished.
+template <class T, int C>
+std::vector<Recorder::Call> calls_of(const hmesh::Image<T, C>& image, Target target, const Annealed& recipe) {
+    Recorder recorder;
+    Options options;
+    options.target = target;
+    options.progress = recorder;
+    CHECK(hmesh::mesh_image(image.view(), options, recipe).status);
+    return recorder.calls;
+}
+
 template <class T, int C, class Recipe>
 void cancel_everywhere(const hmesh::Image<T, C>& image, Target target, const Recipe& recipe, std::size_t stride = 1) {
     Options options;
@@ -361,13 +372,8 @@ TEST_CASE("an executor that polls asks before each piece, does all of them thoug
 
 TEST_CASE("passes over all pixels, edges and faces tell of themselves: a callback waits for no stage to end") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(200, 640, 2);
-    Recorder recorder;
-    Options options;
-    options.target = Target::vertices(3000);
-    options.progress = recorder;
-    REQUIRE(hmesh::mesh_image(image.view(), options, annealed(Effort::draft)).status);
     std::size_t points = 0, colors = 0;
-    for (const Recorder::Call& call : recorder.calls) {
+    for (const Recorder::Call& call : calls_of(image, Target::vertices(3000), annealed(Effort::draft))) {
         points += call.stage == "points" ? 1 : 0;
         colors += call.stage == "colors" ? 1 : 0;
     }
@@ -438,12 +444,7 @@ TEST_CASE("pictures without error, one vertex a pixel and the smallest images re
 
 TEST_CASE("a search for a PSNR reports the stages of each of its runs") {
     const auto image = hmesh_test::scene<std::uint8_t, 3>(40, 36, 2);
-    Recorder recorder;
-    Options options;
-    options.target = Target::psnr(30);
-    options.progress = recorder;
-    CHECK(hmesh::mesh_image(image.view(), options, annealed(Effort::fast)).status);
-    CHECK(check_calls(recorder.calls).size() > 10);
+    CHECK(check_calls(calls_of(image, Target::psnr(30), annealed(Effort::fast))).size() > 10);
 }
 
 TEST_CASE("a search for a PSNR that none reaches, or that needs all pixels, ends with a total of 1 too") {
