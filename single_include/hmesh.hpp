@@ -14250,9 +14250,11 @@ class TiledMesh {
     /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range
     /// that progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
-    /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
-    /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {}, body); }
+    /// merged at once. Where `step` > 1 those of each step-th tile alone. Returns whether to go on: false after a cancellation,
+    /// when the mesh is valid, some patches worked on in part and some not at all.
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body, std::size_t step = 1) {
+        return cut_and_run(tiling, {false, true, step}, body);
+    }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
     HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }
@@ -14573,9 +14575,10 @@ namespace detail {
 
 /// Which vertices remove_cheapest() removes.
 enum class Removals : std::uint8_t {
-    exactly,   ///< so many
-    about,     ///< about so many: where patches are made anew each time, the costs in some stand for all
-    at_seams,  ///< so many of those that were locked in the last phase, which had another tiling
+    exactly,    ///< so many
+    from_some,  ///< so many: where patches are made anew each time, of some patches alone, which may have none
+    about,      ///< about so many: where patches are made anew each time, the costs in some stand for all
+    at_seams,   ///< so many of those that were locked in the last phase, which had another tiling
 };
 
 /// How many removals of each patch are among the `count` cheapest of all. `dearest` becomes the code of the cost of the first
@@ -14603,41 +14606,52 @@ enum class Removals : std::uint8_t {
     return count;
 }
 
+/// Whether to remove `count` vertices from some patches of a tiling, where all would have to be made for it: 1/256 at most.
+template <int C>
+[[nodiscard]] HMESH_COLD bool do_some_suffice(const TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count) {
+    return count <= tiled.vertex_count() / 256 && tiled.sample_step(tiling) > 1;
+}
+
 /// Removes up to `count` vertices, the cheapest ones wherever they are, no two of them neighbours, from the patches of a tiling.
 /// Returns how many went, after a cancellation any number.
 template <int C>
 HMESH_COLD std::size_t remove_cheapest(TiledMesh<C>& tiled, const Tiling& tiling, std::size_t count, const Relaxation& relaxation,
                                        Removals which = Removals::exactly) {
-    const std::size_t before = tiled.vertex_count(), step = which == Removals::about ? tiled.sample_step(tiling) : 1;
+    const bool is_sample = which == Removals::about || which == Removals::from_some;
+    const std::size_t before = tiled.vertex_count(), step = is_sample ? tiled.sample_step(tiling) : 1;
+    const bool is_guess = which == Removals::about && step > 1;
     std::vector<Array<Removal>> removals(tiling.size());
     Array<double> choices(tiling.size(), 0.0);
     const auto choose = [&](Patch<C>& patch, std::size_t tile) {
         const Array<Vertex> vertices = which == Removals::at_seams ? patch.take_was_locked() : patch.free_vertices();
         choices[tile] = static_cast<double>(vertices.size());
         patch.mesh().expect(1, choices[tile]);
-        removals[tile] = cheapest_removals(patch.mesh(), vertices, step == 1 ? count : vertices.size());
+        removals[tile] = cheapest_removals(patch.mesh(), vertices, is_guess ? vertices.size() : count);
     };
     const auto [from, to] = tiled.progress().range();
-    const double middle = from + (step == 1 ? 0.5 : 0.1) * (to - from);
+    const double middle = from + (is_guess ? 0.1 : 0.5) * (to - from);
     tiled.progress().set_range(from, middle);
     const bool go_on =
         which == Removals::at_seams ? tiled.look_at_each_seam(tiling, choose) : tiled.look_at_each(tiling, choose, step);
     if (!go_on) return 0;
     auto wanted = static_cast<double>(count);
     const double share = wanted / std::max(1.0, static_cast<double>(before - tiled.locked_count()));
-    if (step > 1) {
+    if (is_guess) {
         wanted = 0;
         for (const double choice : choices) wanted += share * choice;
     }
     std::uint64_t dearest = 0;
     const Array<std::size_t> quota = shares_of_cheapest(removals, static_cast<std::size_t>(wanted), dearest);
     tiled.progress().set_range(middle, to);
-    tiled.for_each(tiling, [&](Patch<C>& patch, std::size_t tile) {
-        if (step > 1) choose(patch, tile);
-        const std::size_t its = step > 1 ? count_cheap(removals[tile], dearest, share * choices[tile]) : quota[tile];
-        patch.mesh().expect(1, static_cast<double>(its));
-        remove_batch(patch.mesh(), removals[tile], its, relaxation);
-    });
+    tiled.for_each(
+        tiling,
+        [&](Patch<C>& patch, std::size_t tile) {
+            if (is_guess) choose(patch, tile);
+            const std::size_t its = is_guess ? count_cheap(removals[tile], dearest, share * choices[tile]) : quota[tile];
+            patch.mesh().expect(1, static_cast<double>(its));
+            remove_batch(patch.mesh(), removals[tile], its, relaxation);
+        },
+        is_guess ? 1 : step);
     return before - tiled.vertex_count();
 }
 
@@ -14679,16 +14693,19 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
     const int width = tiled.source().width(), height = tiled.source().height();
     const auto count = [&] { return tiled.vertex_count(); };
     auto [from, to] = tiled.progress().range();
-    // Only four tilings without a change mean that nothing can change. A batch of removals is 1/32 of the vertices, since large
-    // ones reach vertices that are not cheap; four of them go from one tiling.
-    for (int k = 0, stuck = 0; count() != n && stuck < 4 && !tiled.progress().stopped(); ++k) {
+    // Only four tilings without a change mean that nothing can change, and one more where some patches alone were asked. A batch
+    // of removals is 1/32 of the vertices, since large ones reach vertices that are not cheap; four of them go from one tiling.
+    for (int k = 0, stuck = 0; count() != n && stuck < 5 && !tiled.progress().stopped(); ++k) {
         tiled.progress().set_range(from, 0.5 * (from + to));
         from = 0.5 * (from + to);
         const Tiling& tiling = tiling_of(k / 4 + stuck);
-        const std::size_t batch = (count() + 31) / 32;
-        const bool moved = count() > n ? detail::remove_cheapest(tiled, tiling, std::min(count() - n, batch), relaxation) > 0
-                                       : detail::insert_best(tiled, tiling, n - count());
-        stuck = moved ? 0 : stuck + 1;
+        const std::size_t before = count(), batch = std::min(before - std::min(before, n), (before + 31) / 32);
+        const bool some = stuck == 0 && detail::do_some_suffice(tiled, tiling, batch);
+        if (batch == 0) detail::insert_best(tiled, tiling, n - before);
+        else
+            detail::remove_cheapest(tiled, tiling, batch, relaxation,
+                                    some ? detail::Removals::from_some : detail::Removals::exactly);
+        stuck = count() != before ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
         tiled.for_each(Tiling(width, height, std::max(width, height)),
@@ -15799,19 +15816,18 @@ class AnnealedRun {
             // A batch may have fallen short of what was expected.
             const double from = reached, to = std::max(from, done(before - batch));
             reached = to;
-            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
-            const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, to);
-            // No two neighbours go in one batch, and so never a third of all.
-            const bool may_end = before - batch <= n && 3 * batch < before;
-            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
+            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
+            const bool some = do_some_suffice(*tiled_, tilings_[phase_], batch);
+            const double free = some ? 1 : 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil(free * static_cast<double>(batch))));
+            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, some ? Removals::from_some : Removals::about);
             if (progress().stopped()) return false;
             if (has_seams) {
                 phase_ ^= 1;
                 // Where the seams can end it they do; else their vertices come with all others of the next batch.
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n);
-                if (left > 0 && 3 * left < tiled_->locked_count()) {
+                if (left > 0 && !do_some_suffice(*tiled_, tilings_[phase_], left) && 3 * left < tiled_->locked_count()) {
                     progress().set_range(to, to);
                     remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;

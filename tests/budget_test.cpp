@@ -252,6 +252,42 @@ TEST_CASE("where some patches of a large image speak for all, about as many vert
     CHECK(small.count() == before - 50);
 }
 
+TEST_CASE(
+    "of a large image a few vertices go from some patches, just as many as are to go; where those have none others give them") {
+    const auto image = hmesh_test::scene<std::uint8_t, 1>(16384, 260, 3);
+    {
+        Work<std::uint8_t, 1> work(image);
+        const Tiling tiling(16384, 260, 256);
+        start(work, 4000);
+        const std::vector<kit::Point> before = work.indexed().positions;
+        const std::size_t few = before.size() / 256;
+        REQUIRE(kit::detail::do_some_suffice(work.tiled, tiling, few));
+        CHECK_FALSE(kit::detail::do_some_suffice(work.tiled, tiling, few + 1));
+        CHECK(kit::detail::remove_cheapest(work.tiled, tiling, few, {}, Removals::from_some) == few);
+        CHECK(work.count() == before.size() - few);
+        hmesh_test::prove(work);
+        // One tile in four is worked on: of the one in the middle of the others each vertex stays.
+        const std::vector<kit::Point>& after = work.indexed().positions;
+        for (const kit::Point p : before)
+            if (static_cast<int>(p.x) / 256 % 4 == 2) REQUIRE(std::count(after.begin(), after.end(), p) == 1);
+    }
+    // All between 300 and 470 px, in the second tile.
+    Work<std::uint8_t, 1> work(image);
+    hmesh::Image<float, 1> density(16384, 260);
+    for (int y = 0; y < 260; ++y)
+        for (int x = 300; x < 470; ++x) *density.pixel(x, y) = 1;
+    kit::Delaunay delaunay(16384, 260);
+    REQUIRE(kit::insert_pixels(delaunay, kit::first_points(kit::point_ranks(density), 600), [] { return true; }));
+    work.tiled.indexed() = kit::delaunay_mesh(work.source, delaunay);
+    work.tiled.measure(Tiling(16384, 260, 256));
+    const std::size_t before = work.count();
+    REQUIRE(kit::detail::do_some_suffice(work.tiled, Tiling(16384, 260, 256), 2));
+    CHECK(kit::detail::remove_cheapest(work.tiled, Tiling(16384, 260, 256), 2, {}, Removals::from_some) == 0);
+    CHECK(reach_vertex_count(work.tiled, before - 2, 256, {}));
+    CHECK(work.count() == before - 2);
+    hmesh_test::prove(work);
+}
+
 TEST_CASE("where no tile can take a vertex, an edge between two tiles is split") {
     // A square in a narrow frame, in tiles much smaller than its two faces: only their common edge is far from the least area.
     hmesh::MeshLimits limits;

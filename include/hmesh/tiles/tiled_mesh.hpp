@@ -119,9 +119,11 @@ class TiledMesh {
     /// Calls body(patch, tile) for the patch of each tile that has faces, as pieces of work. All pieces together are the range
     /// that progress().set_range() announced. With one tile the body runs on the calling thread, so that it may use the executor
     /// itself. Patches of small images are kept for the next call with the same tiling, which then costs nothing; others are
-    /// merged at once. Returns whether to go on: false after a cancellation, when the mesh is valid, some patches worked on in
-    /// part and some not at all.
-    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {}, body); }
+    /// merged at once. Where `step` > 1 those of each step-th tile alone. Returns whether to go on: false after a cancellation,
+    /// when the mesh is valid, some patches worked on in part and some not at all.
+    HMESH_COLD bool for_each(const Tiling& tiling, PatchWork body, std::size_t step = 1) {
+        return cut_and_run(tiling, {false, true, step}, body);
+    }
     /// The same for the patches alone in which vertices are free that were locked in the last for_each(), which had another
     /// tiling: they are in patch.take_was_locked().
     HMESH_COLD bool for_each_seam(const Tiling& tiling, PatchWork body) { return cut_and_run(tiling, {true, true, 1}, body); }

@@ -355,19 +355,18 @@ class AnnealedRun {
             // A batch may have fallen short of what was expected.
             const double from = reached, to = std::max(from, done(before - batch));
             reached = to;
-            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
-            const double locked = static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
-            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil((1 - locked) * static_cast<double>(batch))));
             progress().set_range(from, to);
-            // No two neighbours go in one batch, and so never a third of all.
-            const bool may_end = before - batch <= n && 3 * batch < before;
-            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, may_end ? Removals::exactly : Removals::about);
+            // The locked vertices have a share in the batch, which is taken from the patches of the next phase.
+            const bool some = do_some_suffice(*tiled_, tilings_[phase_], batch);
+            const double free = some ? 1 : 1 - static_cast<double>(tiled_->locked_count()) / static_cast<double>(before);
+            const auto share = static_cast<std::size_t>(std::max(0.0, std::ceil(free * static_cast<double>(batch))));
+            remove_cheapest(*tiled_, tilings_[phase_], share, steps_.relaxation, some ? Removals::from_some : Removals::about);
             if (progress().stopped()) return false;
             if (has_seams) {
                 phase_ ^= 1;
                 // Where the seams can end it they do; else their vertices come with all others of the next batch.
                 const std::size_t count = tiled_->vertex_count(), left = count - std::min(count, n);
-                if (left > 0 && 3 * left < tiled_->locked_count()) {
+                if (left > 0 && !do_some_suffice(*tiled_, tilings_[phase_], left) && 3 * left < tiled_->locked_count()) {
                     progress().set_range(to, to);
                     remove_cheapest(*tiled_, tilings_[phase_], left, steps_.relaxation, Removals::at_seams);
                     if (progress().stopped()) return false;
