@@ -124,7 +124,7 @@ std::string find_shares(const std::vector<Look>& looks, int across, int channels
     double energy = 0;
     for (std::size_t k = 0; k < first.size(); ++k) energy += looks[k].lost + curves[k].energy(static_cast<double>(first[k]));
     std::size_t t = 0;
-    while (t + 1 < tolerances.size() && tolerances[t] > 1.4 * std::sqrt(energy / samples)) ++t;
+    while (t + 1 < tolerances.size() && tolerances[t] > std::sqrt(energy / samples)) ++t;
     for (look_at_sides(t); t > 0 && 2 * (sum - again) > vertices; look_at_sides(t)) --t;
     if (sum > vertices + again)
         return "the sides of " + (looks.size() == 1 ? "the only tile" : std::to_string(looks.size()) + " tiles") + " need " +

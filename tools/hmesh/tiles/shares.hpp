@@ -38,9 +38,9 @@ struct Shares {
 [[nodiscard]] std::vector<double> side_tolerances(double peak, bool is_open);
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
-// are taken within 1.4 times the mean error that such meshes have, so that they err little more than the rest (docs/jobs.md has
-// the figures), or less closely where they would need more than half of the vertices. Returns "" or what is wrong, a sentence
-// without what to do about it.
+// are taken within the mean error that such meshes are expected to have, so that what is on them and beside them errs less than
+// the rest (docs/jobs.md has the figures), or less closely where they would need more than a quarter of the vertices. Returns ""
+// or what is wrong, a sentence without what to do about it.
 [[nodiscard]] std::string find_shares(const std::vector<Look>& looks, int across, int channels, std::size_t vertices,
                                       const std::vector<double>& tolerances, Shares& shares);
 
