@@ -1,5 +1,8 @@
 #include "tiles/seams.hpp"
 
+#include <cstddef>
+#include <optional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -9,54 +12,76 @@
 namespace tool {
 namespace {
 
-// What is left of a tile when it has been read.
-struct Sides {
-    std::vector<SideVertex> west, east, north, south;
+// A tile's file, whose sides are those that the tile's task has summed up where it is the file of that task, or are read.
+class SidesOfTile {
+  public:
+    [[nodiscard]] std::string open(const TilePlan& plan, const TileTask& tile) {
+        *this = {};
+        plan_ = &plan;
+        name_ = name_of(plan, tile);
+        if (std::string why = find_tile(plan, tile, facts_); !why.empty()) return why;
+        return job::read_made(plan.folder, facts_.file, bytes_);
+    }
+    [[nodiscard]] const std::string& name() const noexcept { return name_; }
+    // Null where only reading tells.
+    [[nodiscard]] const SideDigest* digest(TileSide side) const noexcept {
+        return facts_.sides_of == facts_.file.sha256 ? &facts_.sides[static_cast<std::size_t>(side)] : nullptr;
+    }
+    [[nodiscard]] std::string read(TileSide side, std::vector<SideVertex>& vertices) {
+        if (!mesh_)
+            if (std::string why = decode_tile(*plan_, facts_, bytes_, mesh_.emplace()); !why.empty()) return why;
+        vertices = side_vertices(*mesh_, side);
+        return {};
+    }
+
+  private:
+    const TilePlan* plan_ = nullptr;
+    std::string name_;
+    TileFacts facts_;
+    std::vector<unsigned char> bytes_;
+    std::optional<hmesh::Mesh> mesh_;
 };
 
-std::string read_sides(const TilePlan& plan, const TileTask& tile, Sides& sides) {
-    TileFacts facts;
-    hmesh::Mesh mesh;
-    if (std::string why = read_tile(plan, tile, facts, mesh); !why.empty()) return why;
-    sides = {side_vertices(mesh, TileSide::west), side_vertices(mesh, TileSide::east), side_vertices(mesh, TileSide::north),
-             side_vertices(mesh, TileSide::south)};
-    return {};
-}
-
-void compare(const std::vector<SideVertex>& one, const std::vector<SideVertex>& other, const std::string& pair,
-             TileSeams& seams) {
+std::string compare(SidesOfTile& tile, TileSide side, SidesOfTile& neighbor, TileSide its_side, TileSeams& seams) {
+    ++seams.pairs;
+    const SideDigest *const a = tile.digest(side), *const b = neighbor.digest(its_side);
+    if (a != nullptr && b != nullptr && a->is_same(*b)) {
+        seams.shared += static_cast<std::int64_t>(a->vertices);
+        return {};
+    }
+    std::vector<SideVertex> first, second;
+    if (std::string why = tile.read(side, first); !why.empty()) return why;
+    if (std::string why = neighbor.read(its_side, second); !why.empty()) return why;
     const std::int64_t before = seams.open;
     std::size_t i = 0, j = 0;
-    while (i < one.size() && j < other.size()) {
-        if (one[i].is_same(other[j])) {
+    while (i < first.size() && j < second.size()) {
+        if (first[i].is_same(second[j])) {
             ++seams.shared;
             ++i;
             ++j;
             continue;
         }
         ++seams.open;
-        if (one[i].along < other[j].along) ++i;
+        if (first[i].along < second[j].along) ++i;
         else ++j;
     }
-    seams.open += static_cast<std::int64_t>(one.size() - i + other.size() - j);
-    ++seams.pairs;
-    if (seams.open > before && seams.first.empty()) seams.first = pair;
+    seams.open += static_cast<std::int64_t>(first.size() - i + second.size() - j);
+    if (seams.open > before && seams.first.empty()) seams.first = tile.name() + " and " + neighbor.name();
+    return {};
 }
 
 }  // namespace
 
 std::string find_seams(const TilePlan& plan, int level, int y, TileSeams& seams) {
     seams = {};
-    Sides before, here, below;
+    SidesOfTile before, here, below;
     for (int x = 0; x < plan.level(level).across(); ++x) {
-        const TileTask tile{TileTaskKind::tile, level, x, y};
-        const auto with = [&](int i, int j) { return name_of(plan, {TileTaskKind::tile, level, i, j}) + " and "; };
-        if (std::string why = read_sides(plan, tile, here); !why.empty()) return why;
-        if (x > 0) compare(before.east, here.west, with(x - 1, y) + name_of(plan, tile), seams);
+        if (std::string why = here.open(plan, {TileTaskKind::tile, level, x, y}); !why.empty()) return why;
+        if (x > 0)
+            if (std::string why = compare(before, TileSide::east, here, TileSide::west, seams); !why.empty()) return why;
         if (y + 1 < plan.level(level).down()) {
-            const TileTask next{TileTaskKind::tile, level, x, y + 1};
-            if (std::string why = read_sides(plan, next, below); !why.empty()) return why;
-            compare(here.south, below.north, with(x, y) + name_of(plan, next), seams);
+            if (std::string why = below.open(plan, {TileTaskKind::tile, level, x, y + 1}); !why.empty()) return why;
+            if (std::string why = compare(here, TileSide::south, below, TileSide::north, seams); !why.empty()) return why;
         }
         std::swap(before, here);
     }

@@ -3,15 +3,20 @@
 #define HMESH_TOOLS_TILES_SIDES_HPP
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <string>
 #include <vector>
 
 #include "hmesh/mesh/mesh.hpp"
+#include "job/sha256.hpp"
 
 namespace tool {
 
 enum class TileSide : std::uint8_t { west, east, north, south };
+inline constexpr std::array<TileSide, 4> all_sides = {TileSide::west, TileSide::east, TileSide::north, TileSide::south};
 
 // A vertex as both tiles of a seam have it: its place along the seam, which tiles count from the same sample, and its colour.
 struct SideVertex {
@@ -39,6 +44,31 @@ struct SideVertex {
     }
     std::sort(found.begin(), found.end(), [](const SideVertex& a, const SideVertex& b) { return a.along < b.along; });
     return found;
+}
+
+// What stands for the vertices of a side: the same for two sides only if all vertices are.
+struct SideDigest {
+    std::size_t vertices = 0;
+    std::string sha256;  // of the bits of their places and colours
+
+    [[nodiscard]] bool is_same(const SideDigest& other) const { return vertices == other.vertices && sha256 == other.sha256; }
+};
+
+[[nodiscard]] inline SideDigest digest_of(const std::vector<SideVertex>& side) {
+    job::Sha256 sum;
+    const auto add = [&](float value) {
+        std::uint32_t bits = 0;
+        std::memcpy(&bits, &value, sizeof bits);
+        const std::array<unsigned char, 4> bytes = {static_cast<unsigned char>(bits), static_cast<unsigned char>(bits >> 8U),
+                                                    static_cast<unsigned char>(bits >> 16U),
+                                                    static_cast<unsigned char>(bits >> 24U)};
+        sum.add(bytes.data(), bytes.size());
+    };
+    for (const SideVertex& v : side) {
+        add(v.along);
+        for (const float c : v.color) add(c);
+    }
+    return {side.size(), sum.hex()};
 }
 
 }  // namespace tool

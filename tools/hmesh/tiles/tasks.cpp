@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 #include "arguments/arguments.hpp"
 #include "hmesh/core/psnr.hpp"
@@ -70,6 +71,18 @@ std::string find_tile(const TilePlan& plan, const TileTask& tile, TileFacts& fac
     facts.energy = found["energy"].get<double>();
     facts.max_error = found["max_error"].get<double>();
     facts.file = receipt.made.front();
+    if (!found.contains("sides")) return {};
+    facts.sides_of = found["sides_of"].get<std::string>();
+    for (std::size_t k = 0; k < facts.sides.size(); ++k)
+        facts.sides[k] = {found["sides"][k]["vertices"].get<std::size_t>(), found["sides"][k]["sha256"].get<std::string>()};
+    return {};
+}
+
+std::string decode_tile(const TilePlan& plan, const TileFacts& facts, const std::vector<unsigned char>& bytes,
+                        hmesh::Mesh& mesh) {
+    hmesh::CompactMesh read = read_mesh_file(bytes);
+    if (!read.status) return "'" + plan.folder.path(facts.file.name) + "' cannot be read: " + in_words(read.status);
+    mesh = std::move(read.mesh);
     return {};
 }
 
@@ -77,10 +90,7 @@ std::string read_tile(const TilePlan& plan, const TileTask& tile, TileFacts& fac
     if (std::string why = find_tile(plan, tile, facts); !why.empty()) return why;
     std::vector<unsigned char> bytes;
     if (std::string why = job::read_made(plan.folder, facts.file, bytes); !why.empty()) return why;
-    hmesh::CompactMesh read = read_mesh_file(bytes);
-    if (!read.status) return "'" + plan.folder.path(facts.file.name) + "' cannot be read: " + in_words(read.status);
-    mesh = std::move(read.mesh);
-    return {};
+    return decode_tile(plan, facts, bytes, mesh);
 }
 
 std::string TileWorker::read(const TileTask& task, ImageFile& tile) {
@@ -97,7 +107,7 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     ImageFile tile;
     if (std::string why = read(task, tile); !why.empty()) return why;
     // Half as many vertices as its pixels would get, and down to an eighth: cheap, and near enough. So is half the size
-    // where vertices are some pixels apart in it, and of large tiles half of that with a quarter of the vertices.
+    // where vertices are some pixels apart in it, and of large tiles half or a quarter of that, with vertices in proportion.
     const TileLevel& level = plan_.level(task.level);
     const double pixels = static_cast<double>(tile.width) * tile.height, all = static_cast<double>(level.width) * level.height;
     const double rate = static_cast<double>(level.vertices) / all;
@@ -111,10 +121,12 @@ std::string TileWorker::look(const TileTask& task, const hmesh::ParallelFor& par
     const std::vector<SideCounts> sides = count_side_vertices(tile, tolerances_of(plan_));
     if (rate < 1.0 / 32 && std::min(tile.width, tile.height) >= 64) {
         shrink();
-        if (count >= 10000) {
-            shrink();
-            count /= 4;
-        }
+        const double first = count;
+        for (const double large : {10000.0, 11000.0})
+            if (first >= large) {
+                shrink();
+                count /= 4;
+            }
     }
     const auto progress = [](const hmesh::ProgressInfo& /*info*/) { return !interrupted; };
     MeshingOptions options = meshing_of(plan_, static_cast<std::size_t>(std::min(pixels, count)), progress);
@@ -183,10 +195,13 @@ std::string TileWorker::make_tile(const TileTask& task, const hmesh::ParallelFor
         return "cannot make '" + plan_.folder.path(name) + "': " + tool::in_words(status);
     made.emplace_back();
     if (std::string why = job::write_made(plan_.folder, name, bytes.data(), bytes.size(), made.back()); !why.empty()) return why;
-    facts = {{"vertices", result.mesh.vertex_count()},
-             {"faces", result.mesh.face_count()},
-             {"energy", result.report.energy},
-             {"max_error", result.report.max_error}};
+    Json sides = Json::array();
+    for (const TileSide side : all_sides) {
+        const SideDigest digest = digest_of(side_vertices(result.mesh, side));
+        sides.push_back({{"vertices", digest.vertices}, {"sha256", digest.sha256}});
+    }
+    facts = {{"vertices", result.mesh.vertex_count()}, {"faces", result.mesh.face_count()}, {"energy", result.report.energy},
+             {"max_error", result.report.max_error},   {"sides_of", made.back().sha256},    {"sides", std::move(sides)}};
     return {};
 }
 

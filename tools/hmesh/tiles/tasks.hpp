@@ -2,6 +2,7 @@
 #ifndef HMESH_TOOLS_TILES_TASKS_HPP
 #define HMESH_TOOLS_TILES_TASKS_HPP
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "tiles/plan.hpp"
 #include "tiles/seams.hpp"
 #include "tiles/shares.hpp"
+#include "tiles/sides.hpp"
 #include "tiles/tile_image.hpp"
 
 namespace tool {
@@ -46,6 +48,8 @@ struct TileFacts {
     std::size_t vertices = 0, faces = 0;
     double energy = 0, psnr = 0, max_error = 0;
     job::Made file;
+    std::string sides_of;             // sha256 of the file whose mesh had these sides, or empty
+    std::array<SideDigest, 4> sides;  // as all_sides has them
 };
 
 // What a returns a string returns "" or what is wrong, a sentence.
@@ -54,6 +58,9 @@ struct TileFacts {
 [[nodiscard]] std::string find_tile(const TilePlan& plan, const TileTask& tile, TileFacts& facts);
 // Its mesh, as its file has it.
 [[nodiscard]] std::string read_tile(const TilePlan& plan, const TileTask& tile, TileFacts& facts, hmesh::Mesh& mesh);
+// The mesh of its file's bytes.
+[[nodiscard]] std::string decode_tile(const TilePlan& plan, const TileFacts& facts, const std::vector<unsigned char>& bytes,
+                                      hmesh::Mesh& mesh);
 
 }  // namespace tool
 
