@@ -1,4 +1,5 @@
 """hmesh job: an image as tiles that share rows of samples, each a task in files, done by whatever engine."""
+import hashlib
 import json
 import math
 import os
@@ -366,6 +367,26 @@ def test_sides_err_as_their_tiles_do_whatever_the_range_of_the_samples(hmesh, sc
     error = (1 if scale else 65535) * 10 ** (-index["psnr"] / 20)
     foretold = 1.2  # at most so many times the error
     assert 0.35 * error < index["border_tolerance"] < foretold * error
+
+
+def test_sums_of_sides_are_those_of_the_files_and_where_they_differ_meshes_are_compared(hmesh):
+    looks, shares, made, seams, _ = plan(hmesh)
+    run(hmesh, looks + shares + made)
+    told = run(hmesh, seams)
+    for task in made:
+        facts = json.loads(read(f"job/done/{task}.json"))["facts"]
+        across, down = task.split("_")[2:]
+        hmesh.done(f"job/tiles/0/{down}_{across}.hmc -o tile.ply -q")
+        positions, colors, _ = read_ply("tile.ply")  # whose y goes down from the tile's highest
+        wide, high = (max(place[axis] for place in positions) for axis in (0, 1))
+        for said, axis, at in zip(facts["sides"], (0, 0, 1, 1), (0, wide, 0, high)):  # west, east, north, south
+            side = sorted((place[1 - axis], *color) for place, color in zip(positions, colors) if place[axis] == at)
+            content = b"".join(struct.pack("<4f", *vertex) for vertex in side)
+            assert said == {"vertices": len(side), "sha256": hashlib.sha256(content).hexdigest()}
+        forge(f"job/done/{task}.json", facts=facts | {"sides": [side | {"sha256": task} for side in facts["sides"]]})
+    for task in seams:
+        Path(f"job/done/{task}.json").unlink()
+    assert run(hmesh, seams) == told
 
 
 def test_tiles_that_do_not_meet_are_counted_and_not_joined(hmesh):
