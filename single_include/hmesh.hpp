@@ -14701,10 +14701,9 @@ HMESH_COLD bool reach_vertex_count(TiledMesh<C>& tiled, std::size_t n, const Rel
         const Tiling& tiling = tiling_of(k / 4 + stuck);
         const std::size_t before = count(), batch = std::min(before - std::min(before, n), (before + 31) / 32);
         const bool some = stuck == 0 && detail::do_some_suffice(tiled, tiling, batch);
+        const detail::Removals which = some ? detail::Removals::from_some : detail::Removals::exactly;
         if (batch == 0) detail::insert_best(tiled, tiling, n - before);
-        else
-            detail::remove_cheapest(tiled, tiling, batch, relaxation,
-                                    some ? detail::Removals::from_some : detail::Removals::exactly);
+        else detail::remove_cheapest(tiled, tiling, batch, relaxation, which);
         stuck = count() != before ? 0 : stuck + 1;
     }
     if (count() < n && !tiled.progress().stopped())
