@@ -39,8 +39,8 @@ struct Shares {
 
 // Of the tiles of an image, row after row, `across` in each, whose mesh is to have `vertices`, those of seams counted once. Sides
 // are taken within the mean error that such meshes are expected to have, so that what is on them and beside them errs less than
-// the rest (docs/jobs.md has the figures), or less closely where they would need more than a quarter of the vertices. Returns ""
-// or what is wrong, a sentence without what to do about it.
+// the rest (docs/jobs.md has the figures), or less closely where they would need, with those between them, more than half of the
+// vertices. Returns "" or what is wrong, a sentence without what to do about it.
 [[nodiscard]] std::string find_shares(const std::vector<Look>& looks, int across, int channels, std::size_t vertices,
                                       const std::vector<double>& tolerances, Shares& shares);
 

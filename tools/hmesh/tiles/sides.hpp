@@ -6,10 +6,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <vector>
 
+#include "hmesh/io/sink.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "job/sha256.hpp"
 
@@ -56,18 +56,16 @@ struct SideDigest {
 
 [[nodiscard]] inline SideDigest digest_of(const std::vector<SideVertex>& side) {
     job::Sha256 sum;
-    const auto add = [&](float value) {
-        std::uint32_t bits = 0;
-        std::memcpy(&bits, &value, sizeof bits);
-        const std::array<unsigned char, 4> bytes = {static_cast<unsigned char>(bits), static_cast<unsigned char>(bits >> 8U),
-                                                    static_cast<unsigned char>(bits >> 16U),
-                                                    static_cast<unsigned char>(bits >> 24U)};
-        sum.add(bytes.data(), bytes.size());
+    const auto add = [&](const void* bytes, std::size_t size) {
+        sum.add(bytes, size);
+        return true;
     };
+    hmesh::detail::Writer writer(add);
     for (const SideVertex& v : side) {
-        add(v.along);
-        for (const float c : v.color) add(c);
+        writer.f32(v.along);
+        for (const float c : v.color) writer.f32(c);
     }
+    (void)writer.finish();
     return {side.size(), sum.hex()};
 }
 
