@@ -264,7 +264,7 @@ void prove_patches(const ImageSource<C>& source, const IndexedMesh<C>& whole, co
         met.narrow += mesh.width() == 1 || mesh.height() == 1 ? 1 : 0;
         met.one_tile += fans == 0 ? 1 : 0;
     }
-    REQUIRE(free + cut.locked_count == whole.vertex_count());
+    REQUIRE(free + cut.locked_vertices.size() == whole.vertex_count());
     REQUIRE(std::abs(energy - whole.energy) <= 1e-9 * whole.energy);
     for (const int triangles : room) REQUIRE(triangles < kit::max_valence);
 }
@@ -312,7 +312,7 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
                     REQUIRE(cut.face_count[v] == count[v]);
                 }
                 REQUIRE(cut.free_count == free);
-                REQUIRE(cut.locked_count == locked);
+                REQUIRE(cut.locked_vertices.size() == locked);
             }
 }
 

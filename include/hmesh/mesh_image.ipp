@@ -117,9 +117,8 @@ template <int C>
     }
     kit::TiledMesh<C>& tiled = of_image ? *of_image : fitted;
     const double grid = source.is_integer() && options.round_colors ? 1 : 0;
-    const kit::FinalColors done = colors == Colors::sampled
-                                      ? sample_colors(tiled, tile, grid)
-                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
+    const double largest = colors == Colors::sampled ? sample_colors(tiled, tile, grid)
+                                                     : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
     result.mesh = to_mesh(mesh, source.peak());
@@ -129,7 +128,7 @@ template <int C>
         return kit::rendered_errors(drawn, source, parallel_for, scale == nullptr ? kit::ChannelScale<C>() : *scale);
     };
     const kit::RenderedError errors =
-        is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), done.max_error}  // rounding may leave less energy than nothing
+        is_exact ? kit::RenderedError{std::max(0.0, mesh.energy), largest}  // rounding may leave less energy than nothing
         : source.periodic() == Periodic::none ? errors_of(result.mesh)
                                               : errors_of(kit::unrolled(result.mesh.view()));
     const double energy = errors.energy;

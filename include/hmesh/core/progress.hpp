@@ -45,7 +45,7 @@ struct ProgressInfo {
 /// It is called with fraction 0 when a stage begins, with 1 when it ends, and every few milliseconds in between where vertices
 /// and edges are worked on or all pixels are read; from the threads that do the work, but never from two at a time (calls are
 /// ordered as by a lock). There are no calls before the first stage, while floats and weights are checked, some 2 ns a pixel, and
-/// while a mesh is put together: 0.1 to 0.2 us a vertex in tiles, 1 to 1.5 us for the final colours of an image of one table.
+/// while a mesh is put together: 0.1 to 0.2 us a vertex, and 3 us for the final colours of a periodic one.
 ///
 /// A Progress refers to a callable that must outlive the work: keep a lambda in a variable of its own.
 using Progress = FunctionRef<bool(const ProgressInfo& info)>;

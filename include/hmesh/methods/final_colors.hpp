@@ -1,8 +1,9 @@
 /// \file
-/// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe.
+/// Final colors: sampled or bounded colours for all vertices of a tiled mesh, the last step of every recipe. What gives a mesh
+/// its colours returns how far it is from a sample at most, see largest_error(); 0 for samples that are floats or have weights.
 ///
-/// Cost: about 1 us a vertex; of an image without a table of its own 2 us, and three moment tables for each tile; for whole
-/// numbers 1 ns a pixel for the largest error.
+/// Cost: 2 us a vertex in tiles, 1 us in one piece; of an image without a table of its own three moment tables for each tile; for
+/// whole numbers 1 ns a pixel for the largest error.
 #ifndef HMESH_METHODS_FINAL_COLORS_HPP
 #define HMESH_METHODS_FINAL_COLORS_HPP
 
@@ -28,21 +29,17 @@
 
 namespace hmesh::kit {
 
-/// What is known of a mesh when it has its final colours.
-struct FinalColors {
-    BoundedReport bounded;  ///< of the fit, if there was one
-    double max_error = 0;   ///< largest difference to a sample, see largest_error(); 0 for those of floats or with weights
-};
-
 namespace detail {
 
-/// Measures the mesh's energy, and returns its largest error.
+/// Measures the mesh's energy, each patch after work(), where set.
 template <int C>
-[[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling) {
+[[nodiscard]] HMESH_COLD double measure_finally(TiledMesh<C>& tiled, const Tiling& tiling,
+                                                typename TiledMesh<C>::PatchLook work = {}) {
     Array<double> largest(tiling.size(), 0.0);
-    const auto look = [&](const ImageMesh<C>& mesh, std::size_t tile) { largest[tile] = largest_error(mesh); };
-    if (tiled.source().has_plain_samples()) tiled.measure(tiling, look);
-    else tiled.measure(tiling);
+    tiled.measure(tiling, [&](Patch<C>& patch, std::size_t tile, const std::uint32_t* faces) {
+        if (work) work(patch, tile, faces);
+        if (tiled.source().has_plain_samples()) largest[tile] = largest_error(patch.mesh());
+    });
     return *std::max_element(largest.begin(), largest.end());
 }
 
@@ -67,7 +64,7 @@ HMESH_COLD void find_colors(const ImageSource<C>& source, std::size_t count, Fun
 /// image's colour there, as if that were a quarter of a pixel: the few pixels beside the seam would else leave some of them free
 /// to be anything, which shows as a spike where the picture is enlarged.
 template <int C>
-HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
+HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
     Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
@@ -102,9 +99,9 @@ HMESH_COLD FinalColors tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, Co
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
     const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
-    const BoundedReport report = descend(system, range, colors, [&] { return tiled.progress().poll(); });
+    (void)descend(system, range, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
-    return {report, measure_finally(tiled, tiling)};
+    return measure_finally(tiled, tiling);
 }
 
 /// Some faces of a mesh, and their sums.
@@ -140,53 +137,55 @@ HMESH_COLD void solve_rest(Array<Color<C>>& colors, const Array<unsigned char>& 
     for (std::size_t k = 0; k < vertex_of.size(); ++k) colors[vertex_of[k]] = its[k];
 }
 
-/// bounded_colors() of a mesh whose image has no table of its own, tile by tile, so that nothing but the mesh is as large as it:
-/// first those that are free in one tiling, then once more those that are free in another, which has other seams. What a seam
-/// holds is felt a few rings of vertices away. Vertices that are free in neither come last, all at once.
+/// bounded_colors() of a mesh tile by tile, so that all threads work and nothing but the mesh is as large as it. What the border
+/// of a tile holds is felt a few rings of vertices away. So first come those that are free in one tiling, as if there were
+/// nothing beyond its borders, whose colours may be far from their best; then those that are free in another, whose borders hold
+/// what has been found; then the few that are free in neither, all at once; then again those of the first. 0.001 dB are lost at
+/// most.
 template <int C>
-HMESH_COLD BoundedReport colors_by_tiles(TiledMesh<C>& tiled, double tile, ColorRange range) {
+HMESH_COLD double colors_by_tiles(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
+    const Tiling first = tiled.tiling_or(Tiling(source.width(), source.height(), tile));
+    const Tiling second(source.width(), source.height(), tile, true, true);
+    tiled.for_each(first, [&](Patch<C>& patch, std::size_t) {
+        ImageMesh<C>& part = patch.mesh();
+        (void)bounded_colors(part, range, {}, {}, !part.has_fixed_border());
+    });
     IndexedMesh<C>& mesh = tiled.indexed();
     for (Color<C>& color : mesh.colors) to_allowed<C>(color, range);
-    BoundedReport report;
-    Array<unsigned char> is_solved(mesh.vertex_count(), 0);
-    for (std::size_t v = 0; v < mesh.vertex_count() && mesh.has_fixed_border; ++v) is_solved[v] = mesh.is_on_border(v) ? 1 : 0;
-    std::vector<SummedFaces<C>> rest;
-    for (const bool is_last : {false, true}) {
-        const Tiling tiling(source.width(), source.height(), tile, is_last, is_last);
-        Array<BoundedReport> reports(tiling.size());
-        rest.resize(tiling.size());
-        tiled.visit(tiling, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
-            ImageMesh<C>& part = patch.mesh();
-            reports[k] = bounded_colors(part, range);
-            // No other tile reads or writes what is known of this one's free vertices.
-            for (const Face f : part.topology().faces()) {
-                const auto vertices = part.topology().vertices(f);
-                for (std::size_t c = 0; c < 3; ++c) {
-                    if (part.vertex(vertices[c]).mobility == Mobility::locked) continue;
-                    const std::uint32_t v = mesh.faces[faces[f.index()]][c];
-                    mesh.colors[v] = part.color(vertices[c]);
-                    is_solved[v] = 1;
-                }
+    Array<unsigned char> is_solved(mesh.vertex_count(), 1);
+    for (std::size_t v = 0; v < mesh.locked_count; ++v) is_solved[v] = mesh.has_fixed_border && mesh.is_on_border(v) ? 1 : 0;
+    const auto solve = [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
+        if (tiled.progress().stopped()) return;
+        ImageMesh<C>& part = patch.mesh();
+        (void)bounded_colors(part, range);
+        // No other tile reads or writes what is known of this one's free vertices.
+        for (const Face f : part.topology().faces()) {
+            const auto vertices = part.topology().vertices(f);
+            for (std::size_t c = 0; c < 3; ++c) {
+                if (part.vertex(vertices[c]).mobility == Mobility::locked) continue;
+                const std::uint32_t v = mesh.faces[faces[f.index()]][c];
+                mesh.colors[v] = part.color(vertices[c]);
+                is_solved[v] = 1;
             }
-            for (const Face f : part.topology().faces()) {
-                const Triangle& at = mesh.faces[faces[f.index()]];
-                if (!is_last || (is_solved[at[0]] != 0 && is_solved[at[1]] != 0 && is_solved[at[2]] != 0)) continue;
-                CornerSums<C> sums[3];
-                sum_face(part, f, sums[0], sums[1], sums[2]);
-                for (std::size_t c = 0; c < 3; ++c) {
-                    rest[k].vertices.push_back(at[c]);
-                    rest[k].corners.push_back(sums[c]);
-                }
-            }
-        });
-        for (const BoundedReport& one : reports) {
-            report.sweeps = std::max(report.sweeps, one.sweeps);
-            report.rounding_sweeps = std::max(report.rounding_sweeps, one.rounding_sweeps);
         }
-    }
+    };
+    std::vector<SummedFaces<C>> rest(second.size());
+    tiled.visit(second, [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
+        solve(patch, k, faces);
+        for (const Face f : patch.mesh().topology().faces()) {
+            const Triangle& at = mesh.faces[faces[f.index()]];
+            if (is_solved[at[0]] != 0 && is_solved[at[1]] != 0 && is_solved[at[2]] != 0) continue;
+            CornerSums<C> sums[3];
+            sum_face(patch.mesh(), f, sums[0], sums[1], sums[2]);
+            for (std::size_t c = 0; c < 3; ++c) {
+                rest[k].vertices.push_back(at[c]);
+                rest[k].corners.push_back(sums[c]);
+            }
+        }
+    });
     if (!tiled.progress().stopped()) solve_rest(mesh.colors, is_solved, rest, range, tiled.limits().ridge);
-    return report;
+    return measure_finally<C>(tiled, first, solve);
 }
 
 }  // namespace detail
@@ -205,29 +204,29 @@ HMESH_COLD void take_sampled_colors(IndexedMesh<C>& mesh, const ImageSource<C>& 
 }
 /// The same, which measures the mesh's energy with them, in tiles of `tile` px.
 template <int C>
-HMESH_COLD FinalColors sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
+HMESH_COLD double sample_colors(TiledMesh<C>& tiled, double tile, double grid) {
     const ImageSource<C>& source = tiled.source();
     take_sampled_colors(tiled.indexed(), source, grid);
-    return {{}, detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile))};
+    return detail::measure_finally(tiled, Tiling(source.width(), source.height(), tile));
 }
 
 /// Gives all vertices the colours of least squared error that a range allows (solve/bounded_colors.hpp), and measures the mesh's
-/// energy with them. Colours of small images are found for the whole mesh, those of others in tiles of `tile` px. After a
-/// cancellation colours are only clamped and rounded, and the energy is still true of them.
+/// energy with them, in tiles of `tile` px; those of periodic meshes, and of few vertices, all at once. After a cancellation
+/// colours are only clamped and rounded, and the energy is still true of them.
 template <int C>
-HMESH_COLD FinalColors bounded_colors(TiledMesh<C>& tiled, double tile, ColorRange range) {
+HMESH_COLD double bounded_colors(TiledMesh<C>& tiled, double tile, ColorRange range) {
     const ImageSource<C>& source = tiled.source();
     const Tiling tiling(source.width(), source.height(), tile);
     if (source.periodic() != Periodic::none) return detail::tied_colors(tiled, tiling, range);
-    FinalColors out;
-    if ((tiling.size() == 1 || tiled.is_small()) && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
-            out.bounded = bounded_colors(patch.mesh(), range, tiled.parallel_for(), [&] { return tiled.progress().poll(); });
-            if (source.has_plain_samples()) out.max_error = largest_error(patch.mesh(), tiled.parallel_for());
-        }))
-        return out;
-    out.bounded = detail::colors_by_tiles(tiled, tile, range);
-    out.max_error = detail::measure_finally(tiled, tiling);
-    return out;
+    // Of fewer vertices a tile most would be at its border. They take no time.
+    constexpr std::size_t few = 64;
+    const bool at_once = tiling.size() == 1 || (tiled.is_small() && tiled.vertex_count() < few * tiling.size());
+    double largest = 0;
+    const bool is_done = at_once && tiled.for_each(one_tile(source), [&](Patch<C>& patch, std::size_t) {
+        (void)bounded_colors(patch.mesh(), range, tiled.parallel_for(), [&] { return tiled.progress().poll(); });
+        if (source.has_plain_samples()) largest = largest_error(patch.mesh(), tiled.parallel_for());
+    });
+    return is_done ? largest : detail::colors_by_tiles(tiled, tile, range);
 }
 
 }  // namespace hmesh::kit

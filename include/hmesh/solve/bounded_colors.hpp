@@ -173,11 +173,12 @@ BoundedReport descend(const ColorSystem<C>& system, ColorRange range, Array<Colo
 
 /// Gives all vertices colours that a range allows. Coordinate descent (projected Gauss-Seidel) from the current colours: first
 /// without the grid; then onto the grid, vertex by vertex; then over the grid as long as that lowers the error. 0.6 us a vertex
-/// at 3 channels. Locked vertices keep colours that the range allows. go_on(), where set, is asked before each sweep but the one
-/// that puts the colours on the grid, which is the last one once it says false.
+/// at 3 channels. Locked vertices keep colours that the range allows, unless they are `unlocked` here: then they get those that
+/// are best for the faces of this mesh. go_on(), where set, is asked before each sweep but the one that puts the colours on the
+/// grid, which is the last one once it says false.
 template <int C>
 HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, const ParallelFor& parallel_for = {},
-                                        FunctionRef<bool()> go_on = {}) {
+                                        FunctionRef<bool()> go_on = {}, bool unlocked = false) {
     Array<Color<C>> colors;
     colors.reserve(mesh.vertex_count());
     for (const Vertex v : mesh.topology().vertices()) {
@@ -188,7 +189,7 @@ HMESH_COLD BoundedReport bounded_colors(ImageMesh<C>& mesh, ColorRange range, co
         detail::color_system(mesh.topology(), corner_sums(mesh, parallel_for), colors, mesh.limits().ridge, parallel_for);
     std::size_t row = 0;
     for (const Vertex v : mesh.topology().vertices()) {
-        if (mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
+        if (!unlocked && mesh.vertex(v).mobility == Mobility::locked) system.hold(row);
         ++row;
     }
     const BoundedReport report = detail::descend(system, range, colors, go_on);

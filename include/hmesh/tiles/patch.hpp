@@ -43,34 +43,38 @@ namespace detail {
 /// A cut of a mesh along a tiling: which faces each tile has, and in which tile each vertex is free.
 struct Cut {
     static constexpr std::uint32_t locked = 0xffffffffU;  ///< the owner of vertices that are free in no tile
-    Array<std::uint32_t> faces;       ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
-    Array<std::size_t> first;         ///< one more entry than tiles
-    Array<std::uint32_t> owner;       ///< of each vertex: the tile where it is free, or `locked`
-    Array<std::uint32_t> number;      ///< of each vertex: its place among the free ones of its tile or the locked
-    Array<std::uint16_t> face_count;  ///< of each vertex: its faces in the mesh, those of its copies included
-    Array<std::size_t> free_count;    ///< of each tile: the vertices that are free in it
-    std::size_t locked_count = 0;     ///< vertices that are free in no tile
+    Array<std::uint32_t> faces;            ///< faces of the mesh by tile; those of tile k at [first[k], first[k + 1])
+    Array<std::size_t> first;              ///< one more entry than tiles
+    Array<std::uint32_t> owner;            ///< of each vertex: the tile where it is free, or `locked`
+    Array<std::uint32_t> number;           ///< of each vertex: its place among the free ones of its tile or the locked
+    Array<std::uint16_t> face_count;       ///< of each vertex: its faces in the mesh, those of its copies included
+    Array<std::size_t> free_count;         ///< of each tile: the vertices that are free in it
+    Array<std::uint32_t> locked_vertices;  ///< those that are free in no tile, by their number
 };
 
 /// Cuts a mesh along a tiling. `roots`: of a periodic mesh, as IndexedMesh has them, whose copies and the vertices that have some
-/// are free in no tile; else empty. O(faces).
+/// are free in no tile; else empty. The executor finds the tiles of faces. O(faces).
 [[nodiscard]] HMESH_PATCHWISE inline Cut cut(const Array<Point>& positions, const Array<Triangle>& faces, const Tiling& tiling,
-                                             const Array<std::uint32_t>& roots = {}) {
+                                             const Array<std::uint32_t>& roots = {}, const ParallelFor& parallel_for = {}) {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
     Array<std::uint32_t> tile(faces.size());
+    for_each_chunk(parallel_for, faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            const Triangle& face = faces[t];
+            tile[t] =
+                static_cast<std::uint32_t>(tiling.tile_at(centroid(positions[face[0]], positions[face[1]], positions[face[2]])));
+        }
+    });
     cut.first.resize(tiling.size() + 1);
     cut.owner = Array<std::uint32_t>(n, none);
     cut.face_count.resize(n);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
     for (std::size_t t = 0; t < faces.size(); ++t) {
-        const Triangle& face = faces[t];
-        const Point middle = centroid(positions[face[0]], positions[face[1]], positions[face[2]]);
-        tile[t] = static_cast<std::uint32_t>(tiling.tile_at(middle));
         ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : face) {
+        for (const std::uint32_t v : faces[t]) {
             ++cut.face_count[v];
             cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
         }
@@ -84,9 +88,11 @@ struct Cut {
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
     cut.number.resize(n);
     cut.free_count.resize(tiling.size());
-    for (std::size_t v = 0; v < n; ++v)
-        cut.number[v] =
-            static_cast<std::uint32_t>(cut.owner[v] == Cut::locked ? cut.locked_count++ : cut.free_count[cut.owner[v]]++);
+    for (std::size_t v = 0; v < n; ++v) {
+        const bool is_locked = cut.owner[v] == Cut::locked;
+        cut.number[v] = static_cast<std::uint32_t>(is_locked ? cut.locked_vertices.size() : cut.free_count[cut.owner[v]]++);
+        if (is_locked) cut.locked_vertices.push_back(static_cast<std::uint32_t>(v));
+    }
     return cut;
 }
 

@@ -46,6 +46,8 @@ class TiledMesh {
     using MeshWork = FunctionRef<void(ImageMesh<C>& mesh)>;
     /// What is done to the patch of a tile.
     using PatchWork = FunctionRef<void(Patch<C>& patch, std::size_t tile)>;
+    /// What visit() calls.
+    using PatchLook = FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)>;
 
     /// An empty mesh. The image source, the progress reporter and the executor must outlive the TiledMesh.
     HMESH_NEVER_INLINE HMESH_COLD TiledMesh(const ImageSource<C>& source, const MeshLimits& limits, ProgressReporter& progress,
@@ -82,7 +84,7 @@ class TiledMesh {
     /// The number of vertices, a copy not counted; unlike indexed(), never converts the mesh.
     [[nodiscard]] HMESH_COLD std::size_t vertex_count() const noexcept {
         if (!is_cut()) return indexed_.distinct_count();
-        std::size_t count = cut_.locked_count - indexed_.copy_count;
+        std::size_t count = cut_.locked_vertices.size() - indexed_.copy_count;
         for (std::size_t k = 0; k < patches_.size(); ++k) count += patches_[k] ? patches_[k]->free_count() : cut_.free_count[k];
         return count;
     }
@@ -101,8 +103,12 @@ class TiledMesh {
     [[nodiscard]] bool has_seams(const Tiling& tiling) const noexcept {
         return tiling.size() > 1 || source_->periodic() != Periodic::none;
     }
+    /// The tiling as whose patches the mesh is held, so that for_each() along it need not make them; else `other`.
+    [[nodiscard]] HMESH_COLD Tiling tiling_or(const Tiling& other) const { return is_cut() ? tiling_ : other; }
     /// The number of vertices that were free in no patch of the last for_each().
-    [[nodiscard]] std::size_t locked_count() const noexcept { return is_cut() ? cut_.locked_count : indexed_.locked_count; }
+    [[nodiscard]] std::size_t locked_count() const noexcept {
+        return is_cut() ? cut_.locked_vertices.size() : indexed_.locked_count;
+    }
     /// The squared error over pixels and channels, as of the last for_each() or measure(); rounding may leave it slightly
     /// negative.
     [[nodiscard]] HMESH_COLD double energy() const noexcept {
@@ -159,13 +165,10 @@ class TiledMesh {
     /// Calls look(patch, tile, faces) for the patch of each tile that has faces, as pieces of work, and drops the patches: the
     /// mesh stays as it is. faces[f] is the face of indexed() that is face f of the patch. Returns whether to go on; after a
     /// cancellation patches are left out, unless `all`.
-    HMESH_COLD bool visit(const Tiling& tiling,
-                          FunctionRef<void(Patch<C>& patch, std::size_t tile, const std::uint32_t* faces)> look,
-                          bool all = false) {
+    HMESH_COLD bool visit(const Tiling& tiling, PatchLook look, bool all = false) {
         put_together();
-        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
-        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
+        const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
             detail::face_counts(cut),
@@ -180,12 +183,13 @@ class TiledMesh {
     }
 
     /// Computes indexed().energy for the positions and colours that the mesh has now, also after a cancellation. One table of
-    /// each tile. look(), where set, sees the patch of each tile that has faces, as pieces of work.
-    HMESH_COLD void measure(const Tiling& tiling, FunctionRef<void(const ImageMesh<C>& mesh, std::size_t tile)> look = {}) {
+    /// each tile. look(), where set, is called as visit() does, before the patch's energy is read: it may change colours of free
+    /// vertices, in the patch and in the mesh.
+    HMESH_COLD void measure(const Tiling& tiling, PatchLook look = {}) {
         Array<double> energies(tiling.size(), 0.0);
-        const auto body = [&](Patch<C>& patch, std::size_t k, const std::uint32_t*) {
+        const auto body = [&](Patch<C>& patch, std::size_t k, const std::uint32_t* faces) {
+            if (look) look(patch, k, faces);
             energies[k] = patch.mesh().energy();
-            if (look) look(patch.mesh(), k);
         };
         visit(tiling, body, true);
         indexed_.energy = 0;
@@ -269,10 +273,9 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
-        (void)progress_->poll();
         recut(indexed_, tiling.left(), tiling.top());
         tiling_ = tiling;
-        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots);
+        cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         Patches(tiling.size()).swap(patches_);  // resize() would move patches
     }
     /// Ends is_cut(): indexed_ becomes what is joined().
@@ -286,7 +289,7 @@ class TiledMesh {
     /// gone. Unless it `stays` as it is held, what is done with is freed.
     [[nodiscard]] HMESH_PATCHWISE IndexedMesh<C> joined(std::vector<detail::PatchResult<C>> results, bool stays) {
         const double energy = take_results(results);
-        Array<std::size_t> first_vertex(results.size() + 1, cut_.locked_count), first_face(results.size() + 1, 0);
+        Array<std::size_t> first_vertex(results.size() + 1, cut_.locked_vertices.size()), first_face(results.size() + 1, 0);
         for (std::size_t k = 0; k < results.size(); ++k) {
             first_vertex[k + 1] = first_vertex[k] + results[k].positions.size();
             first_face[k + 1] = first_face[k] + results[k].faces.size();
@@ -332,17 +335,16 @@ class TiledMesh {
         IndexedMesh<C> out;
         out.width = indexed_.width;
         out.height = indexed_.height;
-        out.locked_count = cut_.locked_count;
+        out.locked_count = cut_.locked_vertices.size();
         out.periodic = indexed_.periodic;
         out.samples = indexed_.samples;
         out.has_fixed_border = indexed_.has_fixed_border;
         out.copy_count = indexed_.copy_count;
-        out.positions.resize(cut_.locked_count);
-        out.colors.resize(cut_.locked_count);
-        for (std::size_t v = 0; v < indexed_.vertex_count(); ++v) {
-            if (cut_.owner[v] != detail::Cut::locked) continue;
-            out.positions[cut_.number[v]] = indexed_.positions[v];
-            out.colors[cut_.number[v]] = indexed_.colors[v];
+        out.positions.resize(out.locked_count);
+        out.colors.resize(out.locked_count);
+        for (std::size_t k = 0; k < out.locked_count; ++k) {
+            out.positions[k] = indexed_.positions[cut_.locked_vertices[k]];
+            out.colors[k] = indexed_.colors[cut_.locked_vertices[k]];
         }
         if (out.periodic == Periodic::none) return out;
         out.roots.resize(count);
