@@ -134,7 +134,7 @@ def test_ctrl_c_with_keep_partial_writes_the_mesh_reached_so_far_within_its_budg
 def test_ctrl_c_with_keep_partial_leaves_the_colours_that_a_method_has(hmesh):
     image = Image.effect_noise((600, 450), 60)
     image.save("large.png")
-    for delay in [0.5, 1, 1.5]:  # the method begins with all pixels, and is then brought to its budget
+    for delay in [0.5, 1, 1.5, 3, 6, 12, 24]:  # begins with all pixels, and is brought to its budget: sooner or later by the compiler
         interrupt(hmesh, "-o cut.ply --vertices 900 --method adaptive_thinning --report cut.json --keep-partial", "the mesh", delay=delay)
         report = json.loads(read("cut.json"))
         assert report["colors"] == "sampled"
