@@ -13599,7 +13599,8 @@ struct Cut {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
-    Array<std::uint32_t> tile(faces.size());
+    Array<std::uint32_t> tile;
+    tile.resize_raw(faces.size());
     for_each_chunk(parallel_for, faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const Triangle& face = faces[t];
@@ -13623,10 +13624,10 @@ struct Cut {
         if (roots[v] != v) cut.face_count[roots[v]] = static_cast<std::uint16_t>(cut.face_count[roots[v]] + cut.face_count[v]);
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.faces.resize(faces.size());
+    cut.faces.resize_raw(faces.size());
     Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
-    cut.number.resize(n);
+    cut.number.resize_raw(n);
     cut.free_count.resize(tiling.size());
     for (std::size_t v = 0; v < n; ++v) {
         const bool is_locked = cut.owner[v] == Cut::locked;
@@ -14439,10 +14440,10 @@ class TiledMesh {
             cut_.faces = {};
             cut_.owner = {};
         }
-        merged.positions.resize(first_vertex.back());
-        merged.colors.resize(first_vertex.back(), Color<C>::zero());
-        merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_face.back());
+        merged.positions.resize_raw(first_vertex.back());
+        merged.colors.resize_raw(first_vertex.back());
+        merged.dirty.resize_raw(first_vertex.back());
+        merged.faces.resize_raw(first_face.back());
         parallel_for_(results.size(), [&](std::size_t k) { put(results[k], first_vertex[k], first_face[k], merged); });
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut_.number[v]] = 1;
@@ -14477,8 +14478,9 @@ class TiledMesh {
         out.samples = indexed_.samples;
         out.has_fixed_border = indexed_.has_fixed_border;
         out.copy_count = indexed_.copy_count;
-        out.positions.resize(out.locked_count);
-        out.colors.resize(out.locked_count);
+        out.positions.resize_raw(out.locked_count);
+        out.colors.resize_raw(out.locked_count);
+        out.dirty.resize(out.locked_count);
         for (std::size_t k = 0; k < out.locked_count; ++k) {
             out.positions[k] = indexed_.positions[cut_.locked_vertices[k]];
             out.colors[k] = indexed_.colors[cut_.locked_vertices[k]];
@@ -14495,8 +14497,11 @@ class TiledMesh {
                              IndexedMesh<C>& mesh) const {
         const auto to = static_cast<std::ptrdiff_t>(first_vertex);
         std::copy(result.positions.begin(), result.positions.end(), mesh.positions.begin() + to);
-        for (std::size_t v = 0; v < result.colors.size(); ++v)
-            for (int c = 0; c < C; ++c) mesh.colors[first_vertex + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
+        for (std::size_t v = 0; v < result.colors.size(); ++v) {
+            Color<C> color = Color<C>::zero();
+            for (int c = 0; c < C; ++c) color.set(c, result.colors[v][static_cast<std::size_t>(c)]);
+            mesh.colors[first_vertex + v] = color;
+        }
         std::copy(result.dirty.begin(), result.dirty.end(), mesh.dirty.begin() + to);
         const std::size_t free = result.positions.size();
         for (std::size_t t = 0; t < result.faces.size(); ++t)

@@ -59,7 +59,8 @@ struct Cut {
     constexpr std::uint32_t none = 0xfffffffeU;
     const std::size_t n = positions.size();
     Cut cut;
-    Array<std::uint32_t> tile(faces.size());
+    Array<std::uint32_t> tile;
+    tile.resize_raw(faces.size());
     for_each_chunk(parallel_for, faces.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t t = begin; t < end; ++t) {
             const Triangle& face = faces[t];
@@ -83,10 +84,10 @@ struct Cut {
         if (roots[v] != v) cut.face_count[roots[v]] = static_cast<std::uint16_t>(cut.face_count[roots[v]] + cut.face_count[v]);
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
-    cut.faces.resize(faces.size());
+    cut.faces.resize_raw(faces.size());
     Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
     for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
-    cut.number.resize(n);
+    cut.number.resize_raw(n);
     cut.free_count.resize(tiling.size());
     for (std::size_t v = 0; v < n; ++v) {
         const bool is_locked = cut.owner[v] == Cut::locked;

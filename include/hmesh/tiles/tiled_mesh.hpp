@@ -302,10 +302,10 @@ class TiledMesh {
             cut_.faces = {};
             cut_.owner = {};
         }
-        merged.positions.resize(first_vertex.back());
-        merged.colors.resize(first_vertex.back(), Color<C>::zero());
-        merged.dirty.resize(first_vertex.back());
-        merged.faces.resize(first_face.back());
+        merged.positions.resize_raw(first_vertex.back());
+        merged.colors.resize_raw(first_vertex.back());
+        merged.dirty.resize_raw(first_vertex.back());
+        merged.faces.resize_raw(first_face.back());
         parallel_for_(results.size(), [&](std::size_t k) { put(results[k], first_vertex[k], first_face[k], merged); });
         for (const detail::PatchResult<C>& result : results)
             for (const std::uint32_t v : result.locked_dirty) merged.dirty[cut_.number[v]] = 1;
@@ -340,8 +340,9 @@ class TiledMesh {
         out.samples = indexed_.samples;
         out.has_fixed_border = indexed_.has_fixed_border;
         out.copy_count = indexed_.copy_count;
-        out.positions.resize(out.locked_count);
-        out.colors.resize(out.locked_count);
+        out.positions.resize_raw(out.locked_count);
+        out.colors.resize_raw(out.locked_count);
+        out.dirty.resize(out.locked_count);
         for (std::size_t k = 0; k < out.locked_count; ++k) {
             out.positions[k] = indexed_.positions[cut_.locked_vertices[k]];
             out.colors[k] = indexed_.colors[cut_.locked_vertices[k]];
@@ -358,8 +359,11 @@ class TiledMesh {
                              IndexedMesh<C>& mesh) const {
         const auto to = static_cast<std::ptrdiff_t>(first_vertex);
         std::copy(result.positions.begin(), result.positions.end(), mesh.positions.begin() + to);
-        for (std::size_t v = 0; v < result.colors.size(); ++v)
-            for (int c = 0; c < C; ++c) mesh.colors[first_vertex + v].set(c, result.colors[v][static_cast<std::size_t>(c)]);
+        for (std::size_t v = 0; v < result.colors.size(); ++v) {
+            Color<C> color = Color<C>::zero();
+            for (int c = 0; c < C; ++c) color.set(c, result.colors[v][static_cast<std::size_t>(c)]);
+            mesh.colors[first_vertex + v] = color;
+        }
         std::copy(result.dirty.begin(), result.dirty.end(), mesh.dirty.begin() + to);
         const std::size_t free = result.positions.size();
         for (std::size_t t = 0; t < result.faces.size(); ++t)
