@@ -121,6 +121,18 @@ TEST_CASE("locked vertices keep their colours, and the others have the best besi
             }
         CHECK(locked > 30);
         CHECK(2 * would_move > locked);
+
+        // Unlocked for this once, they get the best ones too: those that the mesh gets from there without locks.
+        Sample<std::uint8_t, 3> free(test::noise<std::uint8_t, 3>(30, 26, 3), no_ridge());
+        test::jitter(free.mesh, 6, 5, 60, 3);
+        free.mesh.set_colors(colors_of(s.mesh));
+        REQUIRE(bounded_colors(free.mesh, {0, 255, grid}).converged);
+        REQUIRE(bounded_colors(s.mesh, {0, 255, grid}, {}, {}, true).converged);
+        CHECK(s.mesh.energy() < energy);
+        const auto with = colors_of(s.mesh), without = colors_of(free.mesh);
+        for (std::size_t v = 0; v < with.size(); ++v)
+            for (int k = 0; k < 3; ++k) CHECK(with[v][k] == without[v][k]);
+        CHECK(s.mesh.check());
     }
 }
 
