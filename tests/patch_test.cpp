@@ -313,6 +313,11 @@ TEST_CASE("every triangle is in one tile, that of its centroid; vertices are fre
                 }
                 REQUIRE(cut.free_count == free);
                 REQUIRE(cut.locked_vertices.size() == locked);
+                for (std::size_t k = 0; k < locked; ++k) {
+                    const std::uint32_t v = cut.locked_vertices[k];
+                    REQUIRE(cut.owner[v] == Cut::locked);
+                    REQUIRE(cut.number[v] == k);
+                }
             }
 }
 
