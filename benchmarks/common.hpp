@@ -83,6 +83,19 @@ inline std::optional<Picture> read(const char* program, const std::string& path)
     return picture;
 }
 
+// `tiles` of one size, row by row, over again until the grid is full.
+inline Picture mosaic_of(const std::vector<Picture>& tiles, int columns, int rows) {
+    const int width = tiles[0].width(), height = tiles[0].height();
+    Picture mosaic(columns * width, rows * height);
+    for (int y = 0; y < mosaic.height(); ++y)
+        for (int column = 0; column < columns; ++column) {
+            const auto place = static_cast<std::size_t>(y / height) * static_cast<std::size_t>(columns);
+            const Picture& tile = tiles[(place + static_cast<std::size_t>(column)) % tiles.size()];
+            std::copy_n(tile.pixel(0, y % height), 3 * width, mosaic.pixel(column * width, y));
+        }
+    return mosaic;
+}
+
 inline std::string file_name(const std::string& path) {
     const std::size_t slash = path.find_last_of('/');
     return path.substr(slash == std::string::npos ? 0 : slash + 1);

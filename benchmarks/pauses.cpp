@@ -54,14 +54,6 @@ bool parse(int argc, char** argv, Plan& plan) {
     return !plan.files.empty() && plan.rate > 0 && plan.repeat > 0 && plan.threads > 0;
 }
 
-bench::Picture repeated(const bench::Picture& tile, int times) {
-    bench::Picture out(times * tile.width(), times * tile.height());
-    for (int y = 0; y < out.height(); ++y)
-        for (int x = 0; x < out.width(); x += tile.width())
-            std::copy_n(tile.pixel(0, y % tile.height()), 3 * tile.width(), out.pixel(x, y));
-    return out;
-}
-
 bool measure(const std::string& name, const bench::Picture& picture, const Plan& plan, const example::ThreadPool& pool) {
     hmesh::Options options;
     options.target = hmesh::Target::percent(plan.rate);
@@ -116,6 +108,7 @@ int main(int argc, char** argv) {
     std::printf("| image | px | vertices | s | calls | longest, s |\n|---|---|---|---|---|---|\n");
     for (const std::string& file : plan.files) {
         const auto picture = bench::read("pauses", file);
-        if (!picture || !measure(bench::file_name(file), repeated(*picture, plan.repeat), plan, pool)) return 1;
+        if (!picture) return 1;
+        if (!measure(bench::file_name(file), bench::mosaic_of({*picture}, plan.repeat, plan.repeat), plan, pool)) return 1;
     }
 }

@@ -100,19 +100,6 @@ Picture turned(const Picture& from) {
     return to;
 }
 
-// `tiles` of one size, row by row, over again until the grid is full.
-Picture mosaic_of(const std::vector<Picture>& tiles, int columns, int rows) {
-    const int width = tiles[0].width(), height = tiles[0].height();
-    Picture mosaic(columns * width, rows * height);
-    for (int y = 0; y < mosaic.height(); ++y)
-        for (int column = 0; column < columns; ++column) {
-            const auto place = static_cast<std::size_t>(y / height) * static_cast<std::size_t>(columns);
-            const Picture& tile = tiles[(place + static_cast<std::size_t>(column)) % tiles.size()];
-            std::copy_n(tile.pixel(0, y % height), 3 * width, mosaic.pixel(column * width, y));
-        }
-    return mosaic;
-}
-
 // The mosaic of the plan's images. Says why not.
 std::optional<Picture> read_mosaic(const Plan& plan) {
     std::vector<Picture> tiles;
@@ -131,7 +118,7 @@ std::optional<Picture> read_mosaic(const Plan& plan) {
         std::fprintf(stderr, "table: the mosaic would be too large\n");
         return {};
     }
-    return mosaic_of(tiles, plan.columns, plan.rows);
+    return bench::mosaic_of(tiles, plan.columns, plan.rows);
 }
 
 // --- measuring ---
