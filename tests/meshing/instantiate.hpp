@@ -5,6 +5,7 @@
 
 #include <cstdint>
 
+#include "hmesh/rate/compact_image.hpp"
 #include "instantiate_type.hpp"
 #include "test_kit.hpp"
 
@@ -12,6 +13,7 @@
     HMESH_TEST_INSTANTIATE_TYPE(std::uint8_t, C)  \
     HMESH_TEST_INSTANTIATE_TYPE(std::uint16_t, C) \
     HMESH_TEST_INSTANTIATE_TYPE(float, C)         \
+    HMESH_INSTANTIATE_COMPACT(std::uint8_t, C)    \
     namespace hmesh::kit {                        \
     HMESH_TEST_KIT(, C)                           \
     }
