@@ -183,35 +183,39 @@ TEST_CASE("an image of one row or column keeps its first points, however many, a
         }
 }
 
-TEST_CASE("tiles that nobody asked for hold 400 vertices, or 640 where nothing is annealed, on 128 to 256 px") {
+TEST_CASE("tiles that nobody asked for hold 200 vertices, 400 with few sweeps and 640 with none, on 128 to 256 px") {
     const auto tile_size = [](Effort effort, int width, int height, std::size_t n) {
         return Annealed{effort}.tile_size(width, height, n);
     };
     for (const int side : {300, 1024, 2000}) {
         const double pixels = static_cast<double>(side) * side;
         const auto share = [&](double percent) { return static_cast<std::size_t>(pixels * percent / 100); };
-        CHECK(tile_size(Effort::normal, side, side, share(1)) == doctest::Approx(200).epsilon(1e-3));
+        for (const Effort effort : {Effort::normal, Effort::fine, Effort::best})
+            CHECK(tile_size(effort, side, side, share(1)) == doctest::Approx(std::sqrt(20000)).epsilon(1e-3));
+        CHECK(tile_size(Effort::fast, side, side, share(1)) == doctest::Approx(200).epsilon(1e-3));
         CHECK(tile_size(Effort::normal, side, side, share(10)) == 128);
         CHECK(tile_size(Effort::draft, side, side, share(1)) == doctest::Approx(253).epsilon(1e-2));
         CHECK(tile_size(Effort::draft, side, side, share(10)) == 128);
-        CHECK(tile_size(Effort::normal, side, side, share(0.5)) == 256);
+        CHECK(tile_size(Effort::fast, side, side, share(0.5)) == 256);
     }
     CHECK(tile_size(Effort::normal, 3000, 3000, 500000) == 256);
 }
 
-TEST_CASE("tiles are as large as asked for, but hold 256 vertices on average where the image has as many") {
-    const auto tile_size = [](int width, int height, std::size_t n, int tile) {
-        return Annealed{Effort::normal, 1, tile, {}}.tile_size(width, height, n);
+TEST_CASE("tiles are as large as asked for, but hold 180 vertices on average, or 256 with few sweeps") {
+    const auto tile_size = [](Effort effort, int width, int height, std::size_t n, int tile) {
+        return Annealed{effort, 1, tile, {}}.tile_size(width, height, n);
     };
-    CHECK(tile_size(4000, 3000, 1000000, 100) == 100);
+    CHECK(tile_size(Effort::normal, 4000, 3000, 1000000, 100) == 100);
     for (const std::size_t n : {4U, 100U, 1000U, 10000U, 100000U})
         for (const auto& [width, height] : {std::pair{4000, 3000}, {20000, 300}, {64, 60000}, {300, 300}}) {
-            const double tile = tile_size(width, height, n, 64);
-            const double area = std::min<double>(tile, width) * std::min<double>(tile, height);
             const double per_pixel = static_cast<double>(n) / (static_cast<double>(width) * height);
-            CHECK(tile >= 64);
-            CHECK((area * per_pixel > 255.9 || tile >= std::max(width, height)));
-            if (tile > 64) CHECK(area * per_pixel < 256 * 1.5625);
+            for (const Effort effort : {Effort::draft, Effort::fast, Effort::normal, Effort::best}) {
+                const double tile = tile_size(effort, width, height, n, 64), fewest = effort < Effort::normal ? 256 : 180;
+                const double area = std::min<double>(tile, width) * std::min<double>(tile, height);
+                CHECK(tile >= 64);
+                CHECK((area * per_pixel > fewest - 0.1 || tile >= std::max(width, height)));
+                if (tile > 64) CHECK(area * per_pixel < fewest * 1.5625);
+            }
         }
 }
 

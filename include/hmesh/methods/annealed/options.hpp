@@ -41,11 +41,12 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none but by compact_image()
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 400 vertices on average,
-    /// or 640 where nothing is annealed, within 128 to 256 px, and 256 px beyond 4194304 pixels. Where a tile would hold less
-    /// than 256 vertices on average, tiles are made larger, up to the image. Tiles of the default that are annealed, of an
-    /// image of up to 4194304 pixels that does not repeat, are as many as that, but not of one size: where there are more
-    /// vertices they are smaller, so that each holds about as many.
+    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 200 vertices on average,
+    /// 400 where there are less than 6 sweeps of annealing and 640 where there are none, within 128 to 256 px, and 256 px beyond
+    /// 4194304 pixels. Where a tile would hold less than 180 vertices on average, or 256 where there are less than 6 sweeps,
+    /// tiles are made larger, up to the image. Tiles of the default that are annealed, of an image of up to 4194304 pixels that
+    /// does not repeat, are as many as that, but not of one size: where there are more vertices they are smaller, so that each
+    /// holds about as many.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -89,11 +90,13 @@ struct Annealed {
         const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
-        const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
+        const int sweeps = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps;
+        const double wanted = sweeps == 0 ? 640 : sweeps < 6 ? 400 : 200, fewest = std::min(0.9 * wanted, 256.0);
         double size = tile != 0                ? tile
                       : pixels > most_balanced ? 256
                                                : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
-        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
+        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < fewest * per_vertex)
+            size *= 1.25;
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
