@@ -25,14 +25,14 @@ package=build/web/npm
 emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
 # compile NAME FLAG FILE...: files of the binding, of one thread or, by FLAG, of several. What meshes is compiled for speed, but for inlining that costs
-# 6 kB (brotli) and gains a hundredth; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
+# 8 kB (brotli) and gains 3 %; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
 # (1.15 of a draft in node 20): for the rest alone.
 compile() {
     local name=$1 flag=$2 file level
     shift 2
     for file; do
         case $file in
-            meshing | compact) level=(-O2 -mllvm -inline-threshold=25) ;;
+            meshing | compact) level=(-O2 -mllvm -inline-threshold=0) ;;
             *) level=(-Oz -mnontrapping-fptoint) ;;
         esac
         emscripten "${level[@]}" -mbulk-memory ${flag:+"$flag"} -DNDEBUG -DEIGEN_MPL2_ONLY -DHMESH_COMPILED -Wall -Wextra -Iinclude \

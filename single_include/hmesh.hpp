@@ -7444,11 +7444,12 @@ struct Annealed {
     Effort effort = Effort::normal;  ///< how much work goes into the mesh
     std::uint64_t seed = 1;          ///< of the annealing's random numbers; any value. draft uses none but by compact_image()
     /// The side of a tile in px, 64 to 65536, or 0 for the default. Images larger than a tile are meshed in tiles of about this
-    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 400 vertices on average,
-    /// or 640 where nothing is annealed, within 128 to 256 px, and 256 px beyond 4194304 pixels. Where a tile would hold less
-    /// than 256 vertices on average, tiles are made larger, up to the image. Tiles of the default that are annealed, of an
-    /// image of up to 4194304 pixels that does not repeat, are as many as that, but not of one size: where there are more
-    /// vertices they are smaller, so that each holds about as many.
+    /// size, each of them a piece of work for a thread. The default is the side at which a tile holds 200 vertices on average,
+    /// 400 where there are less than 6 sweeps of annealing and 640 where there are none, within 128 to 256 px, and 256 px beyond
+    /// 4194304 pixels. Where a tile would hold less than 180 vertices on average, or 256 where there are less than 6 sweeps,
+    /// tiles are made larger, up to the image. Tiles of the default that are annealed, of an image of up to 4194304 pixels that
+    /// does not repeat, are as many as that, but not of one size: where there are more vertices they are smaller, so that each
+    /// holds about as many.
     int tile = 0;
     /// The steps in detail, in place of those that `effort` stands for: start from kit::annealed_steps(effort) and change some.
     std::optional<kit::AnnealedSteps> steps{};
@@ -7492,11 +7493,13 @@ struct Annealed {
         const double pixels = static_cast<double>(width) * height, per_vertex = pixels / static_cast<double>(n);
         const double longest = std::max(width, height);
         // The fewer vertices a tile has, the more of them are hindered by its border, which more sweeps make up for.
-        const double wanted = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps > 0 ? 400 : 640;
+        const int sweeps = steps.value_or(kit::annealed_steps(effort)).annealing.sweeps;
+        const double wanted = sweeps == 0 ? 640 : sweeps < 6 ? 400 : 200, fewest = std::min(0.9 * wanted, 256.0);
         double size = tile != 0                ? tile
                       : pixels > most_balanced ? 256
                                                : std::max(128.0, std::min(256.0, std::sqrt(wanted * per_vertex)));
-        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < 256 * per_vertex) size *= 1.25;
+        while (size < longest && std::min<double>(size, width) * std::min<double>(size, height) < fewest * per_vertex)
+            size *= 1.25;
         return size;
     }
     /// The recipe for one run of a search. Sketches are of effort fast, and meshes refined with 3 / 8 of the sweeps, which makes
@@ -9555,6 +9558,11 @@ class UndoArray {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
     }
+    /// The same; new elements must be written, by raw(), before they are read.
+    void resize_raw(std::size_t n) {
+        HMESH_ASSERT(!recording_);
+        values_.resize_raw(n);
+    }
 
     /// Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {
@@ -9734,6 +9742,29 @@ class HalfedgeMesh {
     /// Merges from_vertex(h) into to_vertex(h), for is_collapse_ok(h); from_vertex(h) and the faces of h's edge are deleted.
     /// All other edges of from_vertex(h) keep their identity, except those to the far corners.
     void collapse(Halfedge h);
+
+    // --- meshes side by side; outside a transaction ---
+    /// Where in a mesh the elements of another one are.
+    struct Place {
+        std::array<Vertex, 4> corners;  ///< the vertices here that its first four are
+        std::size_t vertices,           ///< what is added to the index of another one of its vertices,
+            halfedges,                  ///< of its half-edges
+            faces;                      ///< and of its faces
+        /// The vertex here that is v there.
+        [[nodiscard]] Vertex number(Vertex v) const noexcept {
+            return v.index() < 4 ? corners[v.index()] : Vertex(vertices + v.index());
+        }
+    };
+    /// Makes slots for so many more vertices, edges and faces, which count as live and are to be written by move() and copy().
+    HMESH_COLD inline void add_slots(std::size_t vertices, std::size_t edges, std::size_t faces);
+    /// Moves a vertex to a slot that add_slots() made; its old one is to be written.
+    HMESH_COLD inline void move(Vertex from, Vertex to);
+    /// Copies `part`, of which nothing was ever deleted, to slots that add_slots() made, but for its first two vertices, which
+    /// another part has too. Threads may copy parts to places of their own.
+    HMESH_COLD inline void copy(const HalfedgeMesh& part, const Place& place);
+    /// Joins two boundary half-edges between the same vertices, of faces on both sides: the edge of `b` goes, and that of `a`
+    /// has both faces.
+    HMESH_COLD inline void sew(Halfedge a, Halfedge b);
 
     // --- transactions; they nest, the inner ends first ---
     /// The beginning of a transaction, see begin().
@@ -10357,6 +10388,47 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     set_halfedge(u, last);
     delete_edge(edge(h));
     delete_vertex(v);
+}
+
+// --- meshes side by side --------------------------------------------------------------------------------------------
+
+void HalfedgeMesh::add_slots(std::size_t vertices, std::size_t edges, std::size_t faces) {
+    vertices_.resize_raw(vertices_.size() + vertices);
+    halfedges_.resize_raw(halfedges_.size() + 2 * edges);
+    faces_.resize_raw(faces_.size() + faces);
+    counts_.vertices += vertices;
+    counts_.edges += edges;
+    counts_.faces += faces;
+}
+
+void HalfedgeMesh::move(Vertex from, Vertex to) {
+    for (const Halfedge h : outgoing(from)) set_to(opposite(h), to);
+    set_halfedge(to, halfedge(from));
+}
+
+void HalfedgeMesh::copy(const HalfedgeMesh& part, const Place& place) {
+    HMESH_ASSERT(part.vertex_count() == part.vertex_slots() && part.edge_count() == part.edge_slots());
+    const auto number = [&](Halfedge h) { return Halfedge(place.halfedges + h.index()); };
+    for (std::size_t i = 2; i < part.vertex_slots(); ++i)
+        vertices_.raw(place.number(Vertex(i)).index()).halfedge = number(part.halfedge(Vertex(i)));
+    for (std::size_t i = 0; i < part.face_slots(); ++i) faces_.raw(place.faces + i).halfedge = number(part.halfedge(Face(i)));
+    for (std::size_t i = 0; i < part.halfedges_.size(); ++i) {
+        const HalfedgeSlot& from = part.halfedges_[i];
+        halfedges_.raw(place.halfedges + i) = {number(from.next), place.number(from.to),
+                                               from.face.is_valid() ? Face(place.faces + from.face.index()) : Face()};
+    }
+}
+
+void HalfedgeMesh::sew(Halfedge a, Halfedge b) {
+    HMESH_ASSERT(is_boundary(a) && is_boundary(b) && from_vertex(a) == to_vertex(b) && to_vertex(a) == from_vertex(b));
+    const Halfedge inner = opposite(b), second = next(inner), third = next(second);
+    const Halfedge after_a = next(a), after_b = next(b), before_a = previous(a), before_b = previous(b);
+    set_next(before_a, after_b);
+    set_next(before_b, after_a);
+    set_halfedge(from_vertex(a), after_b);
+    set_halfedge(to_vertex(a), after_a);
+    set_triangle(face(inner), a, second, third);
+    delete_edge(edge(b));
 }
 
 }  // namespace hmesh::kit
@@ -11958,12 +12030,16 @@ class HoleFiller {
 /// px grid, so that no case is degenerate: collinear points, points on the border and cocircular points are allowed. Which of
 /// several Delaunay triangulations results follows from the order of the calls alone.
 ///
+/// Triangulations of rows of the rectangle, which threads may make, join to one: their sides are sewn together, and edges flip
+/// from there.
+///
 /// Cost: 0.4 to 1 us an insertion and 0.2 to 0.6 us a removal, each near the previous one; a removal out of the cache takes up
 /// to 3 us. Removing a vertex of valence k takes O(k^2). The walk visits about as many faces as lie on the straight way: 40 us
 /// in random order at 100000 vertices, so insert in spatial order, as triangulate() does.
 #ifndef HMESH_MESH_DELAUNAY_HPP
 #define HMESH_MESH_DELAUNAY_HPP
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
@@ -12005,6 +12081,15 @@ class Delaunay {
     /// Removes the vertex v, which must not be a corner of the rectangle.
     void remove(Vertex v);
 
+    /// Makes it the triangulation of that part of the rectangle which is between two heights, px on the grid: corners are moved
+    /// there. Before anything is inserted.
+    void keep_rows(double top, double bottom) noexcept;
+
+    /// Takes in triangulations of other parts of the rectangle, each of which begins where the one before ends, the first where
+    /// this one does: points were inserted into them, none there, and none removed. Where they meet a vertex stays on either side
+    /// of the rectangle. O(n), by `parallel_for`, and some O(sqrt(n)) a seam, whose edges flip until all are Delaunay's.
+    HMESH_COLD void join(const Array<const Delaunay*>& parts, const ParallelFor& parallel_for);
+
     /// Verifies that the faces tile the rectangle and are positively oriented, and that every edge is locally Delaunay, which
     /// makes all circumcircles empty. Otherwise invalid_argument, with the index where. O(n).
     [[nodiscard]] Status check() const;
@@ -12017,16 +12102,20 @@ class Delaunay {
     [[nodiscard]] Vertex apex(Halfedge h) const noexcept { return topology_.to_vertex(topology_.next(h)); }
     /// Flips edges around v, a new vertex, until the circumcircles of its faces are empty.
     void legalize(Vertex v);
+    /// Flips the edges on the stack that are not Delaunay's, and others until all are. `is_star`: they are across from one new
+    /// vertex, and only those need be looked at that come to be.
+    void flip_stack(bool is_star);
     [[nodiscard]] Status check_border() const;
 
     /// The corners in the order of their vertices.
     [[nodiscard]] std::array<Point, 4> corners() const noexcept {
-        const double low = inset(samples_), right = width_ - low, bottom = height_ - low;
-        return {Point{low, low}, {right, low}, {right, bottom}, {low, bottom}};
+        const double left = inset(samples_), right = width_ - left;
+        return {Point{left, top_}, {right, top_}, {right, bottom_}, {left, bottom_}};
     }
 
     int width_, height_;
     Samples samples_;
+    double top_, bottom_;  ///< of the rectangle, px
     HalfedgeMesh topology_;
     Array<Point> positions_;
     Vertex last_{0};  ///< where walks begin
@@ -12048,7 +12137,8 @@ class Delaunay {
     return mesh;
 }
 
-HMESH_COLD inline Delaunay::Delaunay(int width, int height, Samples samples) : width_(width), height_(height), samples_(samples) {
+HMESH_COLD inline Delaunay::Delaunay(int width, int height, Samples samples)
+    : width_(width), height_(height), samples_(samples), top_(inset(samples)), bottom_(height - top_) {
     HMESH_ASSERT(extent(width, samples) >= 1 && width <= 65536 && extent(height, samples) >= 1 && height <= 65536);
     const std::array<Point, 4> at = corners();
     positions_.assign(at.begin(), at.end());
@@ -12082,7 +12172,7 @@ inline Halfedge Delaunay::locate(Point p) const noexcept {
 
 inline Vertex Delaunay::insert(Point p) {
     HMESH_ASSERT(p.x >= inset(samples_) && p.x <= width_ - inset(samples_));
-    HMESH_ASSERT(p.y >= inset(samples_) && p.y <= height_ - inset(samples_) && snap(p) == p);
+    HMESH_ASSERT(p.y >= top_ && p.y <= bottom_ && snap(p) == p);
     const Halfedge h = locate(p);
     last_ = topology_.from_vertex(h);
     if (position(last_) == p) return last_;
@@ -12094,21 +12184,74 @@ inline Vertex Delaunay::insert(Point p) {
 }
 
 inline void Delaunay::legalize(Vertex v) {
-    const Point p = position(v);
     stack_.clear();  // edges across from v, in faces of v
     for (const Halfedge h : topology_.outgoing(v))
         if (!topology_.is_boundary(h)) stack_.push_back(topology_.next(h));
+    flip_stack(true);
+}
+
+inline void Delaunay::flip_stack(bool is_star) {
     while (!stack_.empty()) {
         const Halfedge h = stack_.back(), o = HalfedgeMesh::opposite(h);
         stack_.pop_back();
         if (topology_.is_boundary(o)) continue;
-        const Halfedge left = topology_.next(o), right = topology_.next(left);
+        const Halfedge first = topology_.next(h), left = topology_.next(o), right = topology_.next(left);
         const Point a = position(topology_.to_vertex(o)), b = position(topology_.to_vertex(h));
-        if (in_circle(a, b, p, position(topology_.to_vertex(left))) <= 0) continue;
+        const Point p = position(topology_.to_vertex(first)), q = position(topology_.to_vertex(left));
+        if (in_circle(a, b, p, q) <= 0) continue;
+        const Halfedge second = topology_.next(first);
         topology_.flip(HalfedgeMesh::edge(h));
         stack_.push_back(left);
         stack_.push_back(right);
+        if (is_star) continue;
+        stack_.push_back(first);
+        stack_.push_back(second);
     }
+}
+
+inline void Delaunay::keep_rows(double top, double bottom) noexcept {
+    HMESH_ASSERT(positions_.size() == 4 && top_ <= top && top < bottom && bottom <= bottom_);
+    top_ = top;
+    bottom_ = bottom;
+    const std::array<Point, 4> at = corners();
+    std::copy(at.begin(), at.end(), positions_.begin());
+}
+
+inline void Delaunay::join(const Array<const Delaunay*>& parts, const ParallelFor& parallel_for) {
+    if (parts.empty()) return;
+    // Corners 2 and 3 of this or a part, right and left, are 1 and 0 of the next. They get two slots in front of its others; the
+    // last part's become those of the whole.
+    Array<HalfedgeMesh::Place> places;
+    std::size_t vertices = positions_.size(), edges = topology_.edge_slots(), faces = topology_.face_slots();
+    const std::size_t had_vertices = vertices, had_edges = edges, had_faces = faces;
+    for (const Delaunay* const part : parts) {
+        const Vertex right(vertices), left(vertices + 1);
+        if (!places.empty()) places.back().corners[2] = right, places.back().corners[3] = left;
+        places.push_back({{left, right, Vertex(2), Vertex(3)}, vertices - 2, 2 * edges, faces});
+        vertices += part->positions_.size() - 2;
+        edges += part->topology_.edge_slots();
+        faces += part->topology_.face_slots();
+    }
+    topology_.add_slots(vertices - had_vertices, edges - had_edges, faces - had_faces);
+    positions_.resize_raw(vertices);
+    for (std::size_t k = 0; k < 2; ++k) {
+        topology_.move(Vertex(2 + k), Vertex(had_vertices + k));
+        positions_[had_vertices + k] = positions_[2 + k];
+    }
+    parallel_for(parts.size(), [&](std::size_t k) {
+        const Array<Point>& from = parts[k]->positions_;
+        topology_.copy(parts[k]->topology_, places[k]);
+        for (std::size_t i = 2; i < from.size(); ++i) positions_[places[k].number(Vertex(i)).index()] = from[i];
+    });
+    stack_.clear();
+    for (std::size_t k = 0; k < parts.size(); ++k) {
+        // The half-edge of a boundary vertex is the boundary's, which runs against the faces.
+        const std::size_t from_right = parts[k]->topology_.halfedge(Vertex(1)).index();
+        stack_.push_back(topology_.halfedge(places[k].corners[0]));
+        topology_.sew(stack_.back(), Halfedge(places[k].halfedges + from_right));
+    }
+    flip_stack(false);
+    bottom_ = parts.back()->bottom_;
 }
 
 inline void Delaunay::remove(Vertex v) {
@@ -15259,9 +15402,12 @@ bool run_one_tile_stage(TiledMesh<C>& tiled, const char* name, typename TiledMes
 #define HMESH_TILES_DELAUNAY_MESH_HPP
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace hmesh::kit {
 
@@ -15283,11 +15429,53 @@ namespace hmesh::kit {
     const auto place = [&](std::uint32_t pixel) {
         return pixel_vertex(pixel, delaunay.width(), delaunay.height(), delaunay.samples());
     };
-    delaunay.reserve(pixels.size() + 4);
+    delaunay.reserve(delaunay.positions().size() + pixels.size());
     std::size_t done = 0;
     for (const std::uint32_t pixel : in_spatial_order<std::uint32_t>(pixels, pixels.size(), place)) {
         if (++done % 4096 == 0 && !go_on()) return false;
         (void)delaunay.insert(place(pixel));
+    }
+    return true;
+}
+
+/// insert_pixels() of ascending pixels into a triangulation of the corners alone. Many are triangulated in bands of rows, by
+/// parallel_for, which are joined: the same for any executor. Where bands meet a vertex stands on either side of the image.
+/// False: go_on(), which the calling thread asks between calls of the executor, said so. O(n), a fifteenth of it on one thread.
+[[nodiscard]] HMESH_COLD inline bool triangulate_pixels(Delaunay& delaunay, const Array<std::uint32_t>& pixels,
+                                                        const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {
+    HMESH_ASSERT(std::is_sorted(pixels.begin(), pixels.end()));
+    // Of 2048 pixels and 16 times their mean distance, or more: there is work where they meet.
+    const auto columns = static_cast<std::uint32_t>(delaunay.width());
+    const double count = static_cast<double>(pixels.size()), rows = std::sqrt(count * delaunay.height() / delaunay.width());
+    const auto bands = static_cast<std::size_t>(std::min(rows / 16, count / 2048));
+    Array<std::uint32_t> cuts(1, 0);  // the first row of each
+    for (std::size_t k = 1; k < bands; ++k)
+        if (const std::uint32_t row = pixels[pixels.size() / bands * k] / columns; row > cuts.back()) cuts.push_back(row);
+    if (cuts.size() < 2) return insert_pixels(delaunay, pixels, go_on);
+
+    const double low = inset(delaunay.samples());
+    const auto insert_band = [&](Delaunay& band, std::size_t k) {
+        const bool is_last = k + 1 == cuts.size();
+        band.keep_rows(std::max<double>(low, cuts[k]), is_last ? delaunay.height() - low : cuts[k + 1]);
+        const auto first = std::lower_bound(pixels.begin(), pixels.end(), cuts[k] * columns);
+        const auto last = is_last ? pixels.end() : std::lower_bound(first, pixels.end(), cuts[k + 1] * columns);
+        (void)insert_pixels(band, Array<std::uint32_t>(first, last), [] { return true; });
+    };
+    delaunay.reserve(pixels.size() + 4 + 2 * cuts.size());
+    constexpr std::size_t at_once = 16;  // these are there twice, until they are joined
+    for (std::size_t begin = 0, end = 0; begin < cuts.size(); begin = end) {
+        end = std::min(cuts.size(), begin + at_once);
+        std::vector<std::unique_ptr<Delaunay>> bands_of(end - begin);
+        Array<const Delaunay*> joining;
+        for (std::size_t k = begin; k < end; ++k) {
+            if (k == 0) continue;
+            bands_of[k - begin] = std::make_unique<Delaunay>(delaunay.width(), delaunay.height(), delaunay.samples());
+            joining.push_back(bands_of[k - begin].get());
+        }
+        parallel_for(end - begin, [&](std::size_t k) { insert_band(begin + k == 0 ? delaunay : *bands_of[k], begin + k); });
+        if (!go_on()) return false;
+        delaunay.join(joining, parallel_for);
+        if (!go_on()) return false;
     }
     return true;
 }
@@ -15512,8 +15700,9 @@ template <int C>
 /// A mesh to go on from (Annealed::start) takes the place of the points: the cheapest vertices are removed, or the best ones
 /// inserted, until there are n.
 ///
-/// All stages but the triangulation work in patches (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace
-/// of their seams remains; in a patch, block by block (edit/blocks.hpp).
+/// All stages but the triangulation, whose pieces are bands of rows (tiles/delaunay_mesh.hpp), work in patches
+/// (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace of their seams remains; in a patch, block by
+/// block (edit/blocks.hpp).
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -15683,7 +15872,12 @@ class AnnealedRun {
         const ImageSource<C>& source = tiled_->source();
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
-            if (!insert_pixels(delaunay, pixels, [&] { return progress().poll(); })) return false;
+            const auto go_on = [&] { return progress().poll(); };
+            const bool has_own_sides =
+                source.samples() == Samples::points || source.periodic() != Periodic::none || !border_->empty();
+            if (!(has_own_sides ? insert_pixels(delaunay, pixels, go_on)
+                                : triangulate_pixels(delaunay, pixels, tiled_->parallel_for(), go_on)))
+                return false;
             if (border_->empty()) pixels = {};  // not needed again
             for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);

@@ -3428,6 +3428,83 @@ inline constexpr CompactTable compact_photographs{
 
 #endif  // HMESH_IO_COMPACT_PHOTOGRAPHS_HPP
 
+// ---- hmesh/rate/options.hpp
+
+/// \file
+/// What compact_image() is asked for, and what it returns.
+#ifndef HMESH_RATE_OPTIONS_HPP
+#define HMESH_RATE_OPTIONS_HPP
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace hmesh {
+
+/// Options of compact_image().
+struct CompactImageOptions {
+    std::size_t bytes = 300;              ///< the most that the file may have
+    bool bare = false;                    ///< whether to write the bare profile: CompactOptions::bare
+    const CompactTable* table = nullptr;  ///< what contexts begin with: CompactOptions::table
+    bool premultiplied = false;  ///< whether colours of 2 or 4 channels are multiplied by alpha first: Options::premultiplied
+    Progress progress{};         ///< is told how far the work is and may cancel it; its callable must outlive the call
+};
+
+/// What compact_image() returns.
+struct [[nodiscard]] CompactImage {
+    std::vector<std::uint8_t> bytes;  ///< the file, for read_compact() or read_bare_compact(); or none
+    Mesh mesh;                        ///< what it holds; of a bare one as large as its lattice
+    std::uint32_t color_step = 0;     ///< of its colours, see CompactOptions
+    double psnr = 0;                  ///< of the mesh drawn at the image's size and rounded to 8 bits, in dB: hmesh::psnr()
+    Status status;                    ///< ok, or why there are no bytes
+};
+
+}  // namespace hmesh
+
+#endif  // HMESH_RATE_OPTIONS_HPP
+
+// ---- hmesh/rate/compact_image.hpp
+
+/// \file
+/// compact_image(): an image in a given number of bytes, as a compact file.
+///
+/// Nothing is rounded but what was meshed for it: the mesh is annealed with its vertices on the lattice of the file
+/// (rate/lattice_mesh.hpp). How coarse that lattice is and the steps of colours are, and with it how many vertices the bytes pay
+/// for, is tried: first a quick mesh of each lattice that comes into question, at several steps of colours; then what promises
+/// most, in all the bytes (rate/compact_search.hpp).
+#ifndef HMESH_RATE_COMPACT_IMAGE_HPP
+#define HMESH_RATE_COMPACT_IMAGE_HPP
+
+namespace hmesh {
+
+/// An image as a compact file of at most options.bytes bytes: vertices, lattice and steps of colours are chosen together, for the
+/// least error found, as the image is drawn from the file. Of the bytes all but 2 % are used, unless fewer give a PSNR of 55 dB,
+/// all pixels are vertices, or four vertices have less error than as many as are paid for, as of noise. Same bytes for any
+/// executor. Takes a run of mesh_image() and a draft, or seven runs where the bytes are so few that several meshes are tried, and
+/// nearly as long again on the lattice: 0.4 s for 300 bytes of a photograph with Effort::normal, 0.5 s for 3,000; 1.0 s and 1.4 s
+/// with Effort::fine, which is 0.02 to 0.2 dB better.
+///
+/// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
+/// \param options       how many bytes, and which profile
+/// \param recipe        how much work goes into the last meshes, and all else about them; start must be null
+/// \param parallel_for  executor
+/// \return              the file and its mesh; or no bytes and the status of mesh_image(), cancelled among them, or
+///                      target_out_of_range with the number of bytes that 4 vertices take
+template <class T, int C>
+[[nodiscard]] HMESH_NEVER_INLINE CompactImage compact_image(const ImageView<T, C>& view, const CompactImageOptions& options = {},
+                                                            const Annealed& recipe = {}, const ParallelFor& parallel_for = {});
+
+}  // namespace hmesh
+
+/// Compiles compact_image() for images of C channels of type T; where and why, see mesh_image.hpp. It needs
+/// HMESH_INSTANTIATE(std::uint8_t, C) too, whatever T is.
+#define HMESH_INSTANTIATE_COMPACT(T, C)                                                                                      \
+    template ::hmesh::CompactImage hmesh::compact_image<T, C>(const ::hmesh::ImageView<T, C>&,                               \
+                                                              const ::hmesh::CompactImageOptions&, const ::hmesh::Annealed&, \
+                                                              const ::hmesh::ParallelFor&);
+
+#endif  // HMESH_RATE_COMPACT_IMAGE_HPP
+
 // ---- hmesh/rate/compact_lattice.hpp
 
 /// \file
@@ -3880,41 +3957,6 @@ class LatticeMesh {
 
 #endif  // HMESH_RATE_LATTICE_MESH_HPP
 
-// ---- hmesh/rate/options.hpp
-
-/// \file
-/// What compact_image() is asked for, and what it returns.
-#ifndef HMESH_RATE_OPTIONS_HPP
-#define HMESH_RATE_OPTIONS_HPP
-
-#include <cstddef>
-#include <cstdint>
-#include <vector>
-
-namespace hmesh {
-
-/// Options of compact_image().
-struct CompactImageOptions {
-    std::size_t bytes = 300;              ///< the most that the file may have
-    bool bare = false;                    ///< whether to write the bare profile: CompactOptions::bare
-    const CompactTable* table = nullptr;  ///< what contexts begin with: CompactOptions::table
-    bool premultiplied = false;  ///< whether colours of 2 or 4 channels are multiplied by alpha first: Options::premultiplied
-    Progress progress{};         ///< is told how far the work is and may cancel it; its callable must outlive the call
-};
-
-/// What compact_image() returns.
-struct [[nodiscard]] CompactImage {
-    std::vector<std::uint8_t> bytes;  ///< the file, for read_compact() or read_bare_compact(); or none
-    Mesh mesh;                        ///< what it holds; of a bare one as large as its lattice
-    std::uint32_t color_step = 0;     ///< of its colours, see CompactOptions
-    double psnr = 0;                  ///< of the mesh drawn at the image's size and rounded to 8 bits, in dB: hmesh::psnr()
-    Status status;                    ///< ok, or why there are no bytes
-};
-
-}  // namespace hmesh
-
-#endif  // HMESH_RATE_OPTIONS_HPP
-
 // ---- hmesh/rate/compact_search.hpp
 
 /// \file
@@ -4202,17 +4244,12 @@ class CompactSearch {
 
 #endif  // HMESH_RATE_COMPACT_SEARCH_HPP
 
-// ---- hmesh/rate/compact_image.hpp
+// ---- hmesh/rate/compact_image.ipp
 
-/// \file
-/// compact_image(): an image in a given number of bytes, as a compact file.
-///
-/// Nothing is rounded but what was meshed for it: the mesh is annealed with its vertices on the lattice of the file
-/// (rate/lattice_mesh.hpp). How coarse that lattice is and the steps of colours are, and with it how many vertices the bytes pay
-/// for, is tried: first a quick mesh of each lattice that comes into question, at several steps of colours; then what promises
-/// most, in all the bytes (rate/compact_search.hpp).
-#ifndef HMESH_RATE_COMPACT_IMAGE_HPP
-#define HMESH_RATE_COMPACT_IMAGE_HPP
+// hmesh - the definition of compact_image(). Included by compact_image.hpp only; empty where a program compiles it in another file.
+#ifndef HMESH_RATE_COMPACT_IMAGE_IPP
+#define HMESH_RATE_COMPACT_IMAGE_IPP
+#if !defined(HMESH_COMPILED) || defined(HMESH_IMPLEMENTATION)
 
 #include <algorithm>
 #include <cmath>
@@ -4223,8 +4260,7 @@ class CompactSearch {
 #include <utility>
 #include <vector>
 
-namespace hmesh {
-namespace detail {
+namespace hmesh::detail {
 
 /// What a lattice promises, with the vertices and the step of colours that its bytes pay for.
 struct CompactGuess {
@@ -4394,26 +4430,13 @@ template <class T, int C>
     return out;
 }
 
-}  // namespace detail
+}  // namespace hmesh::detail
 
-/// An image as a compact file of at most options.bytes bytes: vertices, lattice and steps of colours are chosen together, for the
-/// least error found, as the image is drawn from the file. Of the bytes all but 2 % are used, unless fewer give a PSNR of 55 dB,
-/// all pixels are vertices, or four vertices have less error than as many as are paid for, as of noise. Same bytes for any
-/// executor. Takes a run of mesh_image() and a draft, or seven runs where the bytes are so few that several meshes are tried, and
-/// nearly as long again on the lattice: 0.4 s for 300 bytes of a photograph with Effort::normal, 0.5 s for 3,000; 1.0 s and 1.4 s
-/// with Effort::fine, which is 0.02 to 0.2 dB better.
-///
-/// \param view          the image, of 1 to 4 channels; those of more than 8 bits keep 8
-/// \param options       how many bytes, and which profile
-/// \param recipe        how much work goes into the last meshes, and all else about them; start must be null
-/// \param parallel_for  executor
-/// \return              the file and its mesh; or no bytes and the status of mesh_image(), cancelled among them, or
-///                      target_out_of_range with the number of bytes that 4 vertices take
-///
-/// Where HMESH_COMPILED is defined it needs HMESH_INSTANTIATE(std::uint8_t, C), whatever T is: see mesh_image.hpp.
+namespace hmesh {
+
 template <class T, int C>
-[[nodiscard]] CompactImage compact_image(const ImageView<T, C>& view, const CompactImageOptions& options = {},
-                                         const Annealed& recipe = {}, const ParallelFor& parallel_for = {}) {
+CompactImage compact_image(const ImageView<T, C>& view, const CompactImageOptions& options, const Annealed& recipe,
+                           const ParallelFor& parallel_for) {
     static_assert(C <= 4, "a compact file holds 1 to 4 channels");
     CompactImage out;
     out.status = check(view);
@@ -4434,7 +4457,8 @@ template <class T, int C>
 
 }  // namespace hmesh
 
-#endif  // HMESH_RATE_COMPACT_IMAGE_HPP
+#endif  // HMESH_COMPILED
+#endif  // HMESH_RATE_COMPACT_IMAGE_IPP
 
 #if defined(_MSC_VER) || defined(__GNUC__)
 #pragma pop_macro("min")

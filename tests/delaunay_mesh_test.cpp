@@ -6,12 +6,16 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <set>
+#include <utility>
 #include <vector>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/random.hpp"
 #include "hmesh/mesh/periodic.hpp"
+#include "hmesh/mesh/samples.hpp"
+#include "test_executors.hpp"
 #include "test_images.hpp"
 #include "test_indexed_meshes.hpp"
 
@@ -89,6 +93,68 @@ TEST_CASE("a pixel's vertex is at its centre, and on the border for the outermos
     CHECK_FALSE(kit::insert_pixels(stopped, many, [&] { return ++asked < 2; }));
     CHECK(asked == 2);
     CHECK(stopped.topology().vertex_count() < 10000);
+}
+
+TEST_CASE("many pixels are triangulated in bands: all of them, by Delaunay's rule, the same by any executor") {
+    hmesh::kit::Random random(3);
+    struct Shape {
+        int width, height;
+        std::size_t pixels;  // 0: all
+        std::size_t bands;
+    };
+    for (const Shape& shape : {Shape{120, 90, 0, 5}, Shape{90, 120, 0, 5}, Shape{700, 20, 0, 1}, Shape{20, 9000, 70000, 34},
+                               Shape{1, 9000, 9000, 4}, Shape{2000, 1500, 6200, 3}, Shape{300, 300, 4095, 1}})
+        for (const hmesh::Samples samples : {hmesh::Samples::squares, hmesh::Samples::points}) {
+            if (samples == hmesh::Samples::points && shape.width == 1) continue;
+            CAPTURE(shape.width);
+            const auto all = static_cast<std::size_t>(shape.width) * static_cast<std::size_t>(shape.height);
+            kit::Array<std::uint32_t> pixels;
+            for (std::size_t k = 0; k < (shape.pixels > 0 ? shape.pixels : all); ++k)
+                pixels.push_back(static_cast<std::uint32_t>(shape.pixels > 0 ? random.below(all) : k));
+            std::sort(pixels.begin(), pixels.end());
+            const auto go_on = [] { return true; };
+            Delaunay one(shape.width, shape.height, samples), many = one, backwards = one, threads = one;
+            REQUIRE(kit::insert_pixels(one, pixels, go_on));
+            REQUIRE(kit::triangulate_pixels(many, pixels, {}, go_on));
+            CHECK(many.check());
+            std::vector<std::pair<double, double>> places[2], more;
+            for (const Delaunay* mesh : {&one, &many})
+                for (const kit::Vertex v : mesh->topology().vertices())
+                    places[mesh == &many ? 1 : 0].emplace_back(mesh->position(v).x, mesh->position(v).y);
+            for (auto& list : places) std::sort(list.begin(), list.end());
+            std::set_difference(places[1].begin(), places[1].end(), places[0].begin(), places[0].end(), std::back_inserter(more));
+            CHECK(places[1].size() == places[0].size() + 2 * (shape.bands - 1));
+            REQUIRE(more.size() == 2 * (shape.bands - 1));  // two where bands meet, left and right
+            const double low = kit::inset(samples);
+            for (std::size_t k = 0; k < more.size(); ++k) CHECK(more[k].first == (2 * k < more.size() ? low : shape.width - low));
+            REQUIRE(kit::triangulate_pixels(backwards, pixels, hmesh_test::ReverseFor(), go_on));
+            REQUIRE(kit::triangulate_pixels(threads, pixels, hmesh_test::ThreadFor{3}, go_on));
+            for (const Delaunay* other : {&backwards, &threads}) {
+                CHECK(other->topology().triangles() == many.topology().triangles());
+                for (const kit::Vertex v : many.topology().vertices()) REQUIRE(other->position(v) == many.position(v));
+            }
+        }
+}
+
+TEST_CASE("pixels that are all in few rows are triangulated too") {
+    kit::Array<std::uint32_t> pixels;
+    for (std::uint32_t k = 0; k < 60 * 3000; ++k)
+        if (k / 60 < 4 || k / 60 > 2920) pixels.push_back(k);
+    Delaunay delaunay(60, 3000);
+    REQUIRE(kit::triangulate_pixels(delaunay, pixels, {}, [] { return true; }));
+    CHECK(delaunay.check());
+    CHECK(delaunay.topology().vertex_count() >= pixels.size());
+}
+
+TEST_CASE("who has seen enough stops a triangulation in bands, before they are joined or after") {
+    kit::Array<std::uint32_t> pixels;
+    for (std::uint32_t k = 0; k < 120 * 90; ++k) pixels.push_back(k);
+    for (int calls = 1; calls <= 2; ++calls) {
+        Delaunay delaunay(120, 90);
+        int asked = 0;
+        CHECK_FALSE(kit::triangulate_pixels(delaunay, pixels, {}, [&] { return ++asked < calls; }));
+        CHECK(asked == calls);
+    }
 }
 
 TEST_CASE("a vertex in the middle of a circle of points has as few edges as asked for afterwards") {

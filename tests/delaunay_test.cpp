@@ -12,7 +12,9 @@
 #include <vector>
 
 #include "exact_circles.hpp"
+#include "hmesh/core/array.hpp"
 #include "hmesh/core/random.hpp"
+#include "test_executors.hpp"
 
 using hmesh::kit::Delaunay;
 using hmesh::kit::Face;
@@ -242,6 +244,42 @@ TEST_CASE("larger sets: random points, all pixel centres and all whole pixels, i
         CHECK(mesh.topology().vertex_count() == 4);
         prove(mesh, {});
     }
+}
+
+TEST_CASE("triangulations of rows join to that of the whole and of what stays where they meet, wherever it is cut") {
+    Random random(9);
+    for (const Case& test : cases())
+        for (int round = 0; round < 3; ++round) {
+            CAPTURE(test.name);
+            std::vector<double> cuts{0.0, static_cast<double>(test.height)};
+            for (int k = 0; k < 4; ++k) {
+                const double cut = (1 + static_cast<double>(random.below(static_cast<std::size_t>(256 * test.height - 1)))) / 256;
+                const auto is_there = [&](Point p) { return p.y == cut; };  // points may not be where it is cut
+                if (std::none_of(test.points.begin(), test.points.end(), is_there)) cuts.push_back(cut);
+            }
+            std::sort(cuts.begin(), cuts.end());
+            cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+            std::vector<Delaunay> parts(cuts.size() - 1, Delaunay(test.width, test.height));
+            std::vector<Point> points = test.points;
+            for (std::size_t k = 0; k < parts.size(); ++k) {
+                parts[k].keep_rows(cuts[k], cuts[k + 1]);
+                for (const Point p : test.points)
+                    if (p.y >= cuts[k] && p.y <= cuts[k + 1]) parts[k].insert(p);
+                if (k > 0) points.insert(points.end(), {{0, cuts[k]}, {static_cast<double>(test.width), cuts[k]}});
+            }
+            Delaunay& whole = parts.front();
+            whole.join({}, {});
+            if (parts.size() > 1) whole.join({&parts[1]}, {});
+            hmesh::kit::Array<const Delaunay*> others;
+            for (std::size_t k = 2; k < parts.size(); ++k) others.push_back(&parts[k]);
+            whole.join(others, hmesh_test::ReverseFor());
+            prove(whole, points);
+            for (const double part : {0.25, 0.5, 0.75}) {  // in slots that are free, and in others
+                points.push_back(snap(Point{part * test.width, (1 - part) * test.height}));
+                whole.insert(points.back());
+            }
+            prove(whole, points);
+        }
 }
 
 TEST_CASE("a corner of the rectangle may see 300 points in line, and a vertex that sees 200 of them may go") {

@@ -145,6 +145,29 @@ class HalfedgeMesh {
     /// All other edges of from_vertex(h) keep their identity, except those to the far corners.
     void collapse(Halfedge h);
 
+    // --- meshes side by side; outside a transaction ---
+    /// Where in a mesh the elements of another one are.
+    struct Place {
+        std::array<Vertex, 4> corners;  ///< the vertices here that its first four are
+        std::size_t vertices,           ///< what is added to the index of another one of its vertices,
+            halfedges,                  ///< of its half-edges
+            faces;                      ///< and of its faces
+        /// The vertex here that is v there.
+        [[nodiscard]] Vertex number(Vertex v) const noexcept {
+            return v.index() < 4 ? corners[v.index()] : Vertex(vertices + v.index());
+        }
+    };
+    /// Makes slots for so many more vertices, edges and faces, which count as live and are to be written by move() and copy().
+    HMESH_COLD inline void add_slots(std::size_t vertices, std::size_t edges, std::size_t faces);
+    /// Moves a vertex to a slot that add_slots() made; its old one is to be written.
+    HMESH_COLD inline void move(Vertex from, Vertex to);
+    /// Copies `part`, of which nothing was ever deleted, to slots that add_slots() made, but for its first two vertices, which
+    /// another part has too. Threads may copy parts to places of their own.
+    HMESH_COLD inline void copy(const HalfedgeMesh& part, const Place& place);
+    /// Joins two boundary half-edges between the same vertices, of faces on both sides: the edge of `b` goes, and that of `a`
+    /// has both faces.
+    HMESH_COLD inline void sew(Halfedge a, Halfedge b);
+
     // --- transactions; they nest, the inner ends first ---
     /// The beginning of a transaction, see begin().
     struct Mark;

@@ -420,6 +420,47 @@ inline void HalfedgeMesh::collapse(Halfedge h) {
     delete_vertex(v);
 }
 
+// --- meshes side by side --------------------------------------------------------------------------------------------
+
+void HalfedgeMesh::add_slots(std::size_t vertices, std::size_t edges, std::size_t faces) {
+    vertices_.resize_raw(vertices_.size() + vertices);
+    halfedges_.resize_raw(halfedges_.size() + 2 * edges);
+    faces_.resize_raw(faces_.size() + faces);
+    counts_.vertices += vertices;
+    counts_.edges += edges;
+    counts_.faces += faces;
+}
+
+void HalfedgeMesh::move(Vertex from, Vertex to) {
+    for (const Halfedge h : outgoing(from)) set_to(opposite(h), to);
+    set_halfedge(to, halfedge(from));
+}
+
+void HalfedgeMesh::copy(const HalfedgeMesh& part, const Place& place) {
+    HMESH_ASSERT(part.vertex_count() == part.vertex_slots() && part.edge_count() == part.edge_slots());
+    const auto number = [&](Halfedge h) { return Halfedge(place.halfedges + h.index()); };
+    for (std::size_t i = 2; i < part.vertex_slots(); ++i)
+        vertices_.raw(place.number(Vertex(i)).index()).halfedge = number(part.halfedge(Vertex(i)));
+    for (std::size_t i = 0; i < part.face_slots(); ++i) faces_.raw(place.faces + i).halfedge = number(part.halfedge(Face(i)));
+    for (std::size_t i = 0; i < part.halfedges_.size(); ++i) {
+        const HalfedgeSlot& from = part.halfedges_[i];
+        halfedges_.raw(place.halfedges + i) = {number(from.next), place.number(from.to),
+                                               from.face.is_valid() ? Face(place.faces + from.face.index()) : Face()};
+    }
+}
+
+void HalfedgeMesh::sew(Halfedge a, Halfedge b) {
+    HMESH_ASSERT(is_boundary(a) && is_boundary(b) && from_vertex(a) == to_vertex(b) && to_vertex(a) == from_vertex(b));
+    const Halfedge inner = opposite(b), second = next(inner), third = next(second);
+    const Halfedge after_a = next(a), after_b = next(b), before_a = previous(a), before_b = previous(b);
+    set_next(before_a, after_b);
+    set_next(before_b, after_a);
+    set_halfedge(from_vertex(a), after_b);
+    set_halfedge(to_vertex(a), after_a);
+    set_triangle(face(inner), a, second, third);
+    delete_edge(edge(b));
+}
+
 }  // namespace hmesh::kit
 
 #include "hmesh/core/macros/pop.hpp"

@@ -48,6 +48,11 @@ class UndoArray {
         HMESH_ASSERT(!recording_);
         values_.resize(n);
     }
+    /// The same; new elements must be written, by raw(), before they are read.
+    void resize_raw(std::size_t n) {
+        HMESH_ASSERT(!recording_);
+        values_.resize_raw(n);
+    }
 
     /// Begins a transaction, or one within it: from here on old values are noted.
     [[nodiscard]] Mark mark() noexcept {

@@ -13,8 +13,9 @@
 /// A mesh to go on from (Annealed::start) takes the place of the points: the cheapest vertices are removed, or the best ones
 /// inserted, until there are n.
 ///
-/// All stages but the triangulation work in patches (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace
-/// of their seams remains; in a patch, block by block (edit/blocks.hpp).
+/// All stages but the triangulation, whose pieces are bands of rows (tiles/delaunay_mesh.hpp), work in patches
+/// (tiles/patch.hpp), whose tiling shifts from phase to phase, so that no trace of their seams remains; in a patch, block by
+/// block (edit/blocks.hpp).
 #ifndef HMESH_METHODS_ANNEALED_ANNEALED_HPP
 #define HMESH_METHODS_ANNEALED_ANNEALED_HPP
 
@@ -210,7 +211,12 @@ class AnnealedRun {
         const ImageSource<C>& source = tiled_->source();
         {
             Delaunay delaunay(source.width(), source.height(), source.samples());
-            if (!insert_pixels(delaunay, pixels, [&] { return progress().poll(); })) return false;
+            const auto go_on = [&] { return progress().poll(); };
+            const bool has_own_sides =
+                source.samples() == Samples::points || source.periodic() != Periodic::none || !border_->empty();
+            if (!(has_own_sides ? insert_pixels(delaunay, pixels, go_on)
+                                : triangulate_pixels(delaunay, pixels, tiled_->parallel_for(), go_on)))
+                return false;
             if (border_->empty()) pixels = {};  // not needed again
             for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
