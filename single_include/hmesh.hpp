@@ -12044,6 +12044,8 @@ class HoleFiller {
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <vector>
 
 namespace hmesh::kit {
 
@@ -12088,7 +12090,7 @@ class Delaunay {
     /// Takes in triangulations of other parts of the rectangle, each of which begins where the one before ends, the first where
     /// this one does: points were inserted into them, none there, and none removed. Where they meet a vertex stays on either side
     /// of the rectangle. O(n), by `parallel_for`, and some O(sqrt(n)) a seam, whose edges flip until all are Delaunay's.
-    HMESH_COLD void join(const Array<const Delaunay*>& parts, const ParallelFor& parallel_for);
+    HMESH_COLD void join(const std::vector<std::unique_ptr<Delaunay>>& parts, const ParallelFor& parallel_for);
 
     /// Verifies that the faces tile the rectangle and are positively oriented, and that every edge is locally Delaunay, which
     /// makes all circumcircles empty. Otherwise invalid_argument, with the index where. O(n).
@@ -12217,14 +12219,14 @@ inline void Delaunay::keep_rows(double top, double bottom) noexcept {
     std::copy(at.begin(), at.end(), positions_.begin());
 }
 
-inline void Delaunay::join(const Array<const Delaunay*>& parts, const ParallelFor& parallel_for) {
+inline void Delaunay::join(const std::vector<std::unique_ptr<Delaunay>>& parts, const ParallelFor& parallel_for) {
     if (parts.empty()) return;
     // Corners 2 and 3 of this or a part, right and left, are 1 and 0 of the next. They get two slots in front of its others; the
     // last part's become those of the whole.
     Array<HalfedgeMesh::Place> places;
     std::size_t vertices = positions_.size(), edges = topology_.edge_slots(), faces = topology_.face_slots();
     const std::size_t had_vertices = vertices, had_edges = edges, had_faces = faces;
-    for (const Delaunay* const part : parts) {
+    for (const std::unique_ptr<Delaunay>& part : parts) {
         const Vertex right(vertices), left(vertices + 1);
         if (!places.empty()) places.back().corners[2] = right, places.back().corners[3] = left;
         places.push_back({{left, right, Vertex(2), Vertex(3)}, vertices - 2, 2 * edges, faces});
@@ -15465,14 +15467,11 @@ namespace hmesh::kit {
     constexpr std::size_t at_once = 16;  // these are there twice, until they are joined
     for (std::size_t begin = 0, end = 0; begin < cuts.size(); begin = end) {
         end = std::min(cuts.size(), begin + at_once);
-        std::vector<std::unique_ptr<Delaunay>> bands_of(end - begin);
-        Array<const Delaunay*> joining;
-        for (std::size_t k = begin; k < end; ++k) {
-            if (k == 0) continue;
-            bands_of[k - begin] = std::make_unique<Delaunay>(delaunay.width(), delaunay.height(), delaunay.samples());
-            joining.push_back(bands_of[k - begin].get());
-        }
-        parallel_for(end - begin, [&](std::size_t k) { insert_band(begin + k == 0 ? delaunay : *bands_of[k], begin + k); });
+        const std::size_t own = begin == 0 ? 1 : 0;  // the first is the one that the others join
+        std::vector<std::unique_ptr<Delaunay>> joining;
+        for (std::size_t k = begin + own; k < end; ++k)
+            joining.push_back(std::make_unique<Delaunay>(delaunay.width(), delaunay.height(), delaunay.samples()));
+        parallel_for(end - begin, [&](std::size_t k) { insert_band(k < own ? delaunay : *joining[k - own], begin + k); });
         if (!go_on()) return false;
         delaunay.join(joining, parallel_for);
         if (!go_on()) return false;

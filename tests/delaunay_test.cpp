@@ -7,12 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "exact_circles.hpp"
-#include "hmesh/core/array.hpp"
 #include "hmesh/core/random.hpp"
 #include "test_executors.hpp"
 
@@ -259,19 +259,20 @@ TEST_CASE("triangulations of rows join to that of the whole and of what stays wh
             }
             std::sort(cuts.begin(), cuts.end());
             cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
-            std::vector<Delaunay> parts(cuts.size() - 1, Delaunay(test.width, test.height));
+            std::vector<std::unique_ptr<Delaunay>> parts;
             std::vector<Point> points = test.points;
-            for (std::size_t k = 0; k < parts.size(); ++k) {
-                parts[k].keep_rows(cuts[k], cuts[k + 1]);
+            for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+                parts.push_back(std::make_unique<Delaunay>(test.width, test.height));
+                parts[k]->keep_rows(cuts[k], cuts[k + 1]);
                 for (const Point p : test.points)
-                    if (p.y >= cuts[k] && p.y <= cuts[k + 1]) parts[k].insert(p);
+                    if (p.y >= cuts[k] && p.y <= cuts[k + 1]) parts[k]->insert(p);
                 if (k > 0) points.insert(points.end(), {{0, cuts[k]}, {static_cast<double>(test.width), cuts[k]}});
             }
-            Delaunay& whole = parts.front();
+            Delaunay& whole = *parts.front();
+            std::vector<std::unique_ptr<Delaunay>> second, others;
+            for (std::size_t k = 1; k < parts.size(); ++k) (k == 1 ? second : others).push_back(std::move(parts[k]));
             whole.join({}, {});
-            if (parts.size() > 1) whole.join({&parts[1]}, {});
-            hmesh::kit::Array<const Delaunay*> others;
-            for (std::size_t k = 2; k < parts.size(); ++k) others.push_back(&parts[k]);
+            whole.join(second, {});
             whole.join(others, hmesh_test::ReverseFor());
             prove(whole, points);
             for (const double part : {0.25, 0.5, 0.75}) {  // in slots that are free, and in others

@@ -83,14 +83,11 @@ namespace hmesh::kit {
     constexpr std::size_t at_once = 16;  // these are there twice, until they are joined
     for (std::size_t begin = 0, end = 0; begin < cuts.size(); begin = end) {
         end = std::min(cuts.size(), begin + at_once);
-        std::vector<std::unique_ptr<Delaunay>> bands_of(end - begin);
-        Array<const Delaunay*> joining;
-        for (std::size_t k = begin; k < end; ++k) {
-            if (k == 0) continue;
-            bands_of[k - begin] = std::make_unique<Delaunay>(delaunay.width(), delaunay.height(), delaunay.samples());
-            joining.push_back(bands_of[k - begin].get());
-        }
-        parallel_for(end - begin, [&](std::size_t k) { insert_band(begin + k == 0 ? delaunay : *bands_of[k], begin + k); });
+        const std::size_t own = begin == 0 ? 1 : 0;  // the first is the one that the others join
+        std::vector<std::unique_ptr<Delaunay>> joining;
+        for (std::size_t k = begin + own; k < end; ++k)
+            joining.push_back(std::make_unique<Delaunay>(delaunay.width(), delaunay.height(), delaunay.samples()));
+        parallel_for(end - begin, [&](std::size_t k) { insert_band(k < own ? delaunay : *joining[k - own], begin + k); });
         if (!go_on()) return false;
         delaunay.join(joining, parallel_for);
         if (!go_on()) return false;
