@@ -15143,12 +15143,16 @@ using RankBins = std::array<std::uint32_t, 1U << (31 - rank_bin_shift)>;
         const std::size_t last = first[begin / band + 1];
         Array<float> room;
         const float* const at = ranks(begin, end, room);
-        // Ranks are others than before where who finds them was told to stop: `last` keeps such a band from the next one's room.
+        // Ranks are others than before where who finds them was told to stop, or reads an image that has changed: `last` keeps
+        // such a band from the next one's room, and what is left of its own holds its last pixel.
         for (std::size_t k = 0; k < (end - begin) * width; ++k)
             if (const std::uint32_t here = bits_of(at[k]); here >> rank_bin_shift <= last_bin && to < last) {
                 candidates.pixels[to] = static_cast<std::uint32_t>(begin * width + k);
                 candidates.ranks[to++] = here;
             }
+        const auto last_pixel = static_cast<std::uint32_t>(end * width - 1);
+        std::fill(candidates.pixels.begin() + to, candidates.pixels.begin() + last, last_pixel);
+        std::fill(candidates.ranks.begin() + to, candidates.ranks.begin() + last, last_bin << rank_bin_shift);
     });
     return least_of(std::move(candidates), count);
 }
@@ -15919,7 +15923,7 @@ class AnnealedRun {
         const bool has_sides = source.samples() == Samples::points && source.periodic() == Periodic::none && border_->empty();
         if (has_sides) on_lines = side_points(source, count);
         Array<std::uint32_t> pixels = first_pixels(count, on_lines);
-        if (progress().stopped()) return false;
+        if (!progress().poll()) return false;
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
         // Few points of a row follow more of it from its middle: 100 vertices of 20,000 px of a wave by 9 dB.

@@ -513,8 +513,8 @@ template <int C>
 }  // namespace detail
 
 /// The `count` pixels, as y * width + x, of the least point_ranks() of point_density(), 0 <= count <= pixels; those of
-/// first_points(). Once go_on() says false, the result is meaningless; it is called on any thread, before each band of 32 rows
-/// and before its ranks.
+/// first_points(). Once go_on() says false, or where the image changes meanwhile, they are other pixels, in ascending order, and
+/// maybe fewer. It is called on any thread, before each band of 32 rows and before its ranks.
 template <int C>
 [[nodiscard]] HMESH_COLD Array<std::uint32_t> points_by_rows(const ImageSource<C>& source, std::size_t count,
                                                              const ParallelFor& parallel_for, FunctionRef<bool()> go_on) {

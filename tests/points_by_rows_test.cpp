@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstddef>
@@ -95,11 +96,23 @@ TEST_CASE("points by rows are the same for any executor") {
     CHECK(points_by_rows(source, 4000, hmesh_test::ThreadFor{5}).points == points);
 }
 
-TEST_CASE("told to stop at any band it ends without harm") {
-    const auto scene = hmesh_test::scene<std::uint8_t, 1>(1024, 300, 5);
-    for (int last : {0, 1, 30, 60, 70, 75}) {
-        int asked = 0;
-        (void)kit::points_by_rows(ImageSource<1>(scene.view()), 3000, {}, [&] { return asked++ < last; });
-        CHECK(asked > last);
-    }
+TEST_CASE("told to stop at any band it gives no other numbers than those of pixels, row by row") {
+    // With a sample of rows and without, and where a band that is left out has more points than others or fewer.
+    for (const int width : {300, 1024})
+        for (const double factor : {1e-3, 1e3}) {
+            const auto image = hmesh_test::scaled(hmesh_test::noise<float, 1>(width, 300, 1), factor);
+            const ImageSource<1> source(image.view());
+            const int all = points_by_rows(source, 3000).asked;
+            for (int last = 0; last < all; ++last) {
+                CAPTURE(width);
+                CAPTURE(factor);
+                CAPTURE(last);
+                int asked = 0;
+                const Points points = kit::points_by_rows(source, 3000, {}, [&] { return asked++ < last; });
+                CHECK(asked > last);
+                CHECK(points.size() <= 3000);
+                CHECK(std::is_sorted(points.begin(), points.end()));
+                CHECK((points.empty() || points.back() < image.size()));
+            }
+        }
 }

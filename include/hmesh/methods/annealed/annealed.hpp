@@ -259,7 +259,7 @@ class AnnealedRun {
         const bool has_sides = source.samples() == Samples::points && source.periodic() == Periodic::none && border_->empty();
         if (has_sides) on_lines = side_points(source, count);
         Array<std::uint32_t> pixels = first_pixels(count, on_lines);
-        if (progress().stopped()) return false;
+        if (!progress().poll()) return false;
         if (source.periodic() != Periodic::none) leave_out_sides(pixels, source.width(), source.height(), source.periodic());
         if (has_sides || !border_->empty()) leave_out_sides(pixels, source.width(), source.height(), Periodic::xy);
         // Few points of a row follow more of it from its middle: 100 vertices of 20,000 px of a wave by 9 dB.
