@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <utility>
 #include <vector>
@@ -122,6 +123,15 @@ TEST_CASE("equal weights, whatever they are, are no weights") {
     const Result plain = mesh_image(image.view(), options_of(90, {}), Annealed{Effort::draft});
     const Result equal = mesh_image(image.view(), options_of(90, {0.3, 0.3, 0.3}), Annealed{Effort::draft});
     CHECK(hmesh_test::same_bytes(plain, equal));
+}
+
+TEST_CASE("values beyond the range of a scale become the ends of what samples may be") {
+    const auto scale = hmesh::kit::channel_scale<2>({-1, 3}, {4, 1});
+    constexpr auto most = static_cast<double>(std::numeric_limits<float>::max());
+    double values[] = {-1, -1, 3, 3, -1.1, -most, 3.1, 8, most, most, 1, 1};
+    scale.to_samples(values, 6);
+    const double expected[] = {0, 0, 65535, 32768, 0, 0, 65535, 65535, 65535, 65535, 32768, 16384};
+    CHECK(std::equal(std::begin(values), std::end(values), std::begin(expected)));
 }
 
 TEST_CASE("energy and PSNR are those of the weighted channels, for each type of samples") {
