@@ -15,8 +15,10 @@ endif()
 
 # What is compiled for seconds and run for milliseconds is optimised lightly: the tests, and all else with HMESH_LIGHT.
 set(hmesh_light_options $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-O1>)
+set(hmesh_lightest_options "")  # of what runs for less than it takes to optimise it; those of a source come after its target's
 if(HMESH_LIGHT)
     target_compile_options(hmesh_internal INTERFACE ${hmesh_light_options})
+    set(hmesh_lightest_options $<$<AND:$<CONFIG:Release>,$<CXX_COMPILER_ID:GNU,Clang,AppleClang>>:-O0>)
 endif()
 
 # hmesh_find_header(<target> <header> <how to get it> [<folder>]): an INTERFACE target with the directory that holds <header>,

@@ -103,7 +103,7 @@ TEST_CASE("told to stop at any band it gives no other numbers than those of pixe
             const auto image = hmesh_test::scaled(hmesh_test::noise<float, 1>(width, 300, 1), factor);
             const ImageSource<1> source(image.view());
             const int all = points_by_rows(source, 3000).asked;
-            for (int last = 0; last < all; ++last) {
+            for (int last = 0; last < all; last += width == 300 ? 1 : 7) {
                 CAPTURE(width);
                 CAPTURE(factor);
                 CAPTURE(last);
