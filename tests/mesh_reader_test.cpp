@@ -282,6 +282,21 @@ TEST_CASE("an image that changes while it is read breaks nothing") {
         const Result result = mesh_image(ImageReader<float, 1>{160, 120, read}, options_of(vertices), in_tiles(Effort::draft));
         CHECK((!result.has_mesh() || hmesh_test::flaw_of(result.mesh.view(), 160, 120) == ""));
     }
+    // Beyond the range that weights of channels were scaled to.
+    const auto colors = hmesh_test::noise<float, 3>(60, 40, 7);
+    const hmesh::ViewReader<float, 3> of_colors(colors.view());
+    for (const float gain : {1e30F, -1e30F}) {
+        calls = 0;
+        const auto grows = [&](const Rect& rect, float* to, std::ptrdiff_t stride) {
+            (void)of_colors(rect, to, stride);
+            if (++calls > 5) to[1] *= gain;
+            return true;
+        };
+        Options options = options_of(100);
+        options.channel_weights = {1, 2, 3};
+        const Result result = mesh_image(ImageReader<float, 3>{60, 40, grows}, options, in_tiles(Effort::draft));
+        CHECK((!result.has_mesh() || hmesh_test::flaw_of(result.mesh.view(), 60, 40) == ""));
+    }
     // Finite at first, and then no longer.
     calls = 0;
     const auto turns_nan = [&](const Rect& rect, float* to, std::ptrdiff_t stride) {

@@ -15,9 +15,11 @@
 #include <variant>
 #include <vector>
 
+#include "fuzz_images.hpp"
 #include "fuzz_input.hpp"
 #include "fuzz_meshing.hpp"
 #include "fuzz_options.hpp"
+#include "fuzz_results.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/render.hpp"
 #include "hmesh/solve/linear_light.hpp"
@@ -27,25 +29,15 @@
 namespace {
 
 using hmesh_test::demand;
+using hmesh_test::demand_same;
+using hmesh_test::draw_size;
 using hmesh_test::FuzzInput;
+using hmesh_test::FuzzSamples;
 using hmesh_test::Height;
+using hmesh_test::same_bytes;
+using hmesh_test::Size;
 
 // --- images ---
-
-struct Size {
-    int width = 1, height = 1;
-};
-
-// Mostly small, so that many are meshed in a second; some thin and some of several tiles.
-Size draw_size(FuzzInput& input) {
-    switch (input.byte() % 16) {
-        case 12: return {input.within(1, 3), input.within(1, 600)};
-        case 13: return {input.within(1, 600), input.within(1, 3)};
-        case 14: return {input.within(1, 40), input.within(1, 40)};
-        case 15: return {input.within(1, 130), input.within(1, 130)};
-        default: return {input.within(1, 10), input.within(1, 10)};
-    }
-}
 
 // Pixels in memory that ends with the last of them, so that the address sanitizer sees what lies outside; what lies between
 // the rows is filled twice over, see fill_gaps().
@@ -92,42 +84,6 @@ FuzzImage<T, C> draw_image(FuzzInput& input, Size size) {
     const int padding = input.one_in(4) ? input.within(1, 40) : 0;
     return FuzzImage<T, C>(size, padding, input.one_in(4));
 }
-
-// The samples of a picture, which repeats what bytes are left.
-template <class T>
-class Samples {
-  public:
-    explicit Samples(FuzzInput& input) : kind_(input.byte() % 4), gain_(kind_ == 3 ? input.wild_real() : 1) {
-        while (input.left() > 0) bytes_.push_back(input.byte());
-        if (bytes_.empty()) bytes_.push_back(0);
-    }
-    [[nodiscard]] T operator()(std::size_t k) const {
-        if constexpr (std::is_same_v<T, float>) {
-            if (kind_ < 2) return static_cast<float>(byte(k)) / 255;
-            if (kind_ == 3) {
-                const double value = byte(k) * gain_;  // a float holds it, or it is none
-                return std::abs(value) <= std::numeric_limits<float>::max() || !std::isfinite(value) ? static_cast<float>(value)
-                                                                                                     : 1.0F;
-            }
-        }
-        std::array<unsigned char, sizeof(T)> bytes{};
-        for (std::size_t i = 0; i < sizeof(T); ++i) bytes[i] = static_cast<unsigned char>(byte(k * sizeof(T) + i));
-        T value{};
-        std::memcpy(&value, bytes.data(), sizeof(T));
-        return value;
-    }
-
-  private:
-    // Of the kind 1, bytes that repeat themselves are disturbed.
-    [[nodiscard]] int byte(std::size_t k) const {
-        const std::size_t round = kind_ == 1 ? k / bytes_.size() : 0;
-        return static_cast<int>((bytes_[k % bytes_.size()] + 37 * round * round) & 255U);
-    }
-
-    int kind_;
-    double gain_;
-    std::vector<unsigned char> bytes_;
-};
 
 // One that makes no sense, of an image that does: to be refused before a pixel is read.
 template <class T, int C>
@@ -179,24 +135,6 @@ struct Patience {
         return !is_over;
     }
 };
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-// Or neither is a number, as in a status that refuses one.
-bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
-
-void demand_same(const hmesh::Result& a, const hmesh::Result& b) {
-    demand(a.status.code == b.status.code && a.status.what == b.status.what && same_number(a.status.value, b.status.value) &&
-               same_number(a.status.limit, b.status.limit),
-           "the same input gives the same status");
-    demand(same_bytes(a.mesh.positions, b.mesh.positions) && same_bytes(a.mesh.colors, b.mesh.colors) &&
-               a.mesh.faces == b.mesh.faces,
-           "the same input gives the same mesh");
-    demand(a.report.energy == b.report.energy && a.report.psnr == b.report.psnr, "the same input gives the same report");
-}
 
 // --- what has to come back ---
 
@@ -317,7 +255,7 @@ void fuzz(FuzzInput& input) {
     const hmesh::ImageView<T, C> view = is_spoilt ? spoil(input, image.view()) : image.view();
     const int calls = input.one_in(3) ? input.within(0, 60) : 100;
     const bool is_repeated = input.one_in(4);
-    image.fill(Samples<T>(input));
+    image.fill(FuzzSamples<T>(input));
     image.fill_gaps(0);
     const std::vector<unsigned char> before = image.bytes();
 

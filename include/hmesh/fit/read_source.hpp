@@ -198,17 +198,24 @@ struct ReadCalls {
     }
 };
 
-/// ImageSource::with_window() of a ReadImage<T, C>. Where the image has failed, samples may be beyond the scale of channels: they
-/// are black and not scaled.
+/// Brings samples into the range that the scale was made for. Beyond it are some of an image that has changed since, or is black
+/// since, for it could not be read.
+template <class T, int C>
+HMESH_COLD void limit_samples(Image<T, C>& image, const ChannelScale<C>& scale) {
+    for (std::size_t k = 0; k < image.size(); ++k) {
+        const double value = PixelTraits<T>::to_real(image.data()[k]), limited = scale.limited(value);
+        if (value != limited) image.data()[k] = PixelTraits<T>::from_real(limited);
+    }
+}
+
+/// ImageSource::with_window() of a ReadImage<T, C>.
 template <class T, int C>
 HMESH_COLD void read_window(const ImageSource<C>& source, const Rect& rect, FunctionRef<void(const SourceWindow<C>&)> look) {
-    const auto& image = *static_cast<const ReadImage<T, C>*>(source.calls().image);
-    Image<T, C> pixels = image.fetch(rect);
-    if (source.scale() == nullptr) return look({ImageSource<C>(pixels.view()), rect.x, rect.y});
-    const bool has_failed = image.has_failed();
-    if (has_failed) pixels = Image<T, C>(rect.width, rect.height);
+    Image<T, C> pixels = static_cast<const ReadImage<T, C>*>(source.calls().image)->fetch(rect);
+    const auto* const scale = source.scale();
+    if (!PixelTraits<T>::is_integer && scale != nullptr) limit_samples(pixels, *scale);
     const ImageSource<C> own(pixels.view());
-    look({has_failed ? own : own.with_scale(*source.scale()), rect.x, rect.y});
+    look({scale != nullptr ? own.with_scale(*scale) : own, rect.x, rect.y});
 }
 
 }  // namespace detail

@@ -73,15 +73,13 @@ struct ChannelScale {
     void to_scaled(Color& color) const noexcept {
         for (int c = 0; c < C; ++c) color.set(c, (color[c] - offset) * factor(c));
     }
-    /// Scales the stored values of pixels that follow each other, and rounds them to the whole numbers in [0, 65535]. Where the
-    /// image has changed since its range was found, values may be beyond it.
+    /// Scales the stored values of pixels that follow each other, and rounds them to the whole numbers in [0, 65535].
     void to_samples(double* values, int pixels) const noexcept {
         for (int i = 0; i < pixels; ++i, values += C)
-            for (int c = 0; c < C; ++c) {
-                const double scaled = std::max(0.0, std::min(65535.0, (values[c] - offset) * factor(c)));
-                values[c] = static_cast<double>(static_cast<int>(scaled + 0.5));
-            }
+            for (int c = 0; c < C; ++c) values[c] = static_cast<double>(static_cast<int>((values[c] - offset) * factor(c) + 0.5));
     }
+    /// The stored value nearest to this one of which to_samples() makes such a number in each channel.
+    [[nodiscard]] double limited(double value) const noexcept { return std::max(offset, std::min(offset + 65535 / unit, value)); }
     /// The way back; channels of weight 0 become `offset`.
     template <class Color>
     void to_stored(Color& color) const noexcept {
