@@ -15,7 +15,6 @@
 #include "test_meshes.hpp"
 
 namespace kit = hmesh::kit;
-using hmesh::Image;
 using hmesh::kit::ImageSource;
 
 namespace {
