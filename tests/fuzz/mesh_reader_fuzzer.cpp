@@ -69,7 +69,7 @@ void fuzz(FuzzInput& input) {
     hmesh::Options& options = request.options;
     draw_options(input, options, recipe, C);
     const auto fault = input.one_of({Fault::none, Fault::refuses, Fault::changes});
-    const int from = input.within(0, input.flag() ? 300 : 15), patience = input.one_in(4) ? input.within(0, 60) : 100;
+    const int from = input.within(0, input.flag() ? 300 : 15), patience = input.one_in(4) ? input.within(0, 60) : 300;
     std::optional<hmesh::Image<float, 1>> weights;
     if (input.one_in(4)) {
         const unsigned mask = input.byte();
