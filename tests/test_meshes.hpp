@@ -11,7 +11,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <utility>
 #include <vector>
 
@@ -22,6 +21,7 @@
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/moment_table.hpp"
 #include "hmesh/image/image_view.hpp"
+#include "same_bytes.hpp"
 #include "test_images.hpp"
 #include "test_kit.hpp"
 
@@ -215,8 +215,7 @@ struct Snapshot {
     std::vector<std::size_t> indices;
     std::vector<double> numbers;
     friend bool operator==(const Snapshot& a, const Snapshot& b) {
-        return a.indices == b.indices && a.numbers.size() == b.numbers.size() &&
-               (a.numbers.empty() || std::memcmp(a.numbers.data(), b.numbers.data(), a.numbers.size() * sizeof(double)) == 0);
+        return a.indices == b.indices && same_bytes(a.numbers, b.numbers);
     }
 };
 

@@ -9,17 +9,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
-#include <cstring>
 #include <limits>
 #include <utility>
-#include <vector>
 
 #include "hmesh/image/image_view.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/render.hpp"
 #include "hmesh/result.hpp"
 #include "mesh_flaws.hpp"
+#include "same_bytes.hpp"
 #include "test_images.hpp"
 
 namespace hmesh_test {
@@ -103,37 +101,6 @@ void prove_result(const hmesh::Image<T, C>& image, const hmesh::Result& result, 
     CHECK_MESSAGE(result.status, hmesh::message(result.status).c_str());
     CHECK(result.report.vertices == vertices);
     prove_report(image, result, round_colors);
-}
-
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
-inline bool same_bytes(const hmesh::Mesh& a, const hmesh::Mesh& b) {
-    return a.channels == b.channels && a.width == b.width && a.height == b.height && a.peak == b.peak &&
-           a.premultiplied == b.premultiplied && a.samples == b.samples && same_bytes(a.positions, b.positions) &&
-           same_bytes(a.colors, b.colors) && a.faces == b.faces;
-}
-
-inline bool same_bytes(const hmesh::Report& a, const hmesh::Report& b) {
-    const auto number = [](double x) {
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &x, sizeof bits);
-        return bits;
-    };
-    bool same = a.vertices == b.vertices && a.faces == b.faces && number(a.energy) == number(b.energy) &&
-                number(a.psnr) == number(b.psnr) && number(a.max_error) == number(b.max_error) &&
-                a.stages.size() == b.stages.size();
-    for (std::size_t k = 0; same && k < a.stages.size(); ++k)
-        same = std::strcmp(a.stages[k].name, b.stages[k].name) == 0 && a.stages[k].vertices == b.stages[k].vertices &&
-               number(a.stages[k].energy) == number(b.stages[k].energy) && number(a.stages[k].psnr) == number(b.stages[k].psnr) &&
-               a.stages[k].iterations == b.stages[k].iterations && number(a.stages[k].residual) == number(b.stages[k].residual);
-    return same;
-}
-
-inline bool same_bytes(const hmesh::Result& a, const hmesh::Result& b) {
-    return a.status.code == b.status.code && same_bytes(a.mesh, b.mesh) && same_bytes(a.report, b.report);
 }
 
 }  // namespace hmesh_test

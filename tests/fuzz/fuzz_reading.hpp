@@ -6,12 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <vector>
 
 #include "fuzz_input.hpp"
 #include "readers/readers.hpp"
+#include "same_bytes.hpp"
 
 namespace hmesh_test {
 
@@ -20,11 +20,6 @@ using Reader = std::string (*)(tool::Bytes file, tool::ImageFile& image);
 inline void fill_stack(unsigned char with) {
     volatile unsigned char stack[1U << 16U];
     for (volatile unsigned char& byte : stack) byte = with;
-}
-
-template <class T>
-[[nodiscard]] bool same_samples(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
 }
 
 // The memory ends with the file.
@@ -49,8 +44,8 @@ inline void fuzz_reader(const std::uint8_t* bytes, std::size_t size, Reader read
                image.samples16.size() == (image.bits == 16 ? samples : 0) &&
                image.samples32.size() == (image.bits == 32 ? samples : 0),
            "its samples are there, and of one kind");
-    demand(image.width == again.width && image.channels == again.channels && same_samples(image.samples8, again.samples8) &&
-               same_samples(image.samples16, again.samples16) && same_samples(image.samples32, again.samples32),
+    demand(image.width == again.width && image.channels == again.channels && same_bytes(image.samples8, again.samples8) &&
+               same_bytes(image.samples16, again.samples16) && same_bytes(image.samples32, again.samples32),
            "a file is the same picture twice");
 }
 

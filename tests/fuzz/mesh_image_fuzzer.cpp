@@ -2,7 +2,6 @@
 // weights; cancellation; then fit_linear_light(). Whatever comes back has to be what its docstring promises, and the same when
 // asked again.
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -11,7 +10,6 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <type_traits>
 #include <variant>
 #include <vector>
 
@@ -24,6 +22,7 @@
 #include "hmesh/render.hpp"
 #include "hmesh/solve/linear_light.hpp"
 #include "mesh_flaws.hpp"
+#include "same_bytes.hpp"
 #include "test_executors.hpp"
 
 namespace {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "fuzz_images.hpp"
 #include "fuzz_input.hpp"
