@@ -13,6 +13,7 @@
 #include "hmesh/core/status.hpp"
 #include "hmesh/edit/move.hpp"
 #include "hmesh/edit/subdivide.hpp"
+#include "hmesh/image/premultiply.hpp"
 #include "hmesh/mesh_image.hpp"
 #include "hmesh/methods/stage.hpp"
 #include "hmesh/tiles/indexed_mesh.hpp"
