@@ -55,7 +55,10 @@ class ArrayMemory {
     /// Makes room for so many bytes in all, or for twice as many as there were.
     HMESH_NEVER_INLINE HMESH_PATCHWISE void make_room(std::size_t bytes) {
         if (bytes <= room_) return;
-        const std::size_t room = std::max(bytes, 2 * room_);
+        std::size_t room = std::max(bytes, 2 * room_);
+        if constexpr (large_page > 0) {  // whole ones, for what is beyond the last would be handed out in small ones
+            if (room >= large_page) room = std::max(room, (room + large_page - 1) / large_page * large_page);
+        }
         void* const data = allocate(room);
         if (used_ > 0) std::memcpy(data, data_, used_);
         free(std::exchange(data_, static_cast<unsigned char*>(data)), std::exchange(room_, room));
@@ -91,7 +94,7 @@ class ArrayMemory {
 #if defined(__linux__) && defined(MADV_HUGEPAGE)
         if (bytes >= large_page) {
             void* const data = ::operator new (bytes, std::align_val_t{large_page});
-            static_cast<void>(::madvise(data, bytes / large_page * large_page, MADV_HUGEPAGE));  // advice: none may be taken
+            static_cast<void>(::madvise(data, bytes, MADV_HUGEPAGE));  // advice: none may be taken
             return data;
         }
 #endif
