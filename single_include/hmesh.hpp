@@ -6733,11 +6733,11 @@ namespace hmesh::kit {
 #define HMESH_CORE_PROGRESS_HPP
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <initializer_list>
-#include <utility>
 #include <vector>
 
 namespace hmesh {
@@ -6841,7 +6841,7 @@ class ProgressReporter {
         done_ = 0;
     }
     /// The range as set_range() left it.
-    [[nodiscard]] std::pair<double, double> range() const noexcept { return {from_, to_}; }
+    [[nodiscard]] std::array<double, 2> range() const noexcept { return {from_, to_}; }
     /// Ends the stage and notes its StageReport with a mesh of this size and energy, as update() tells it. False once cancelled.
     bool end(std::size_t vertices, double energy, FunctionRef<Mesh()> mesh_so_far = {}) {
         stages_.push_back(
