@@ -1,20 +1,19 @@
-// hmesh tests - same_bytes(): whether two meshes, reports or results are the same to the bit.
+// hmesh tests - same_bytes(): whether two rows of elements, meshes, reports or results are the same to the bit.
 #ifndef HMESH_TESTS_SAME_BYTES_HPP
 #define HMESH_TESTS_SAME_BYTES_HPP
 
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <vector>
 
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/result.hpp"
 
 namespace hmesh_test {
 
-template <class T>
-bool same_bytes(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
+template <class Row, class Element = typename Row::value_type>
+bool same_bytes(const Row& a, const Row& b) {
+    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Element)) == 0);
 }
 
 inline bool same_bytes(const hmesh::Mesh& a, const hmesh::Mesh& b) {

@@ -30,8 +30,11 @@
 #include <unistd.h>
 
 #include "readers/readers.hpp"
+#include "same_bytes.hpp"
 
 namespace {
+
+using hmesh_test::same_bytes;
 
 using File = std::vector<unsigned char>;
 
@@ -139,16 +142,12 @@ Outcome read(const File& file, unsigned char fill) {
     return outcome;
 }
 
-template <class T>
-bool same(const std::vector<T>& a, const std::vector<T>& b) {
-    return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);
-}
-
 bool same(const Outcome& a, const Outcome& b) {
     if (a.why != b.why) return false;
     return !a.why.empty() ||
-           (a.image.width == b.image.width && a.image.channels == b.image.channels && same(a.image.samples8, b.image.samples8) &&
-            same(a.image.samples16, b.image.samples16) && same(a.image.samples32, b.image.samples32));
+           (a.image.width == b.image.width && a.image.channels == b.image.channels &&
+            same_bytes(a.image.samples8, b.image.samples8) && same_bytes(a.image.samples16, b.image.samples16) &&
+            same_bytes(a.image.samples32, b.image.samples32));
 }
 
 std::uint64_t hash(std::uint64_t value, const void* bytes, std::size_t size) {  // FNV-1a

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <utility>
-#include <vector>
 
 #include "readers/bytes.hpp"
 
@@ -36,16 +35,17 @@ namespace tool {
     return 1;
 }
 
-// Turns a packed picture that is stored in this orientation upright. From 5 on, width and height change places.
-template <class T>
-void turn_upright(unsigned orientation, int channels, int& width, int& height, std::vector<T>& samples) {
+// Turns a packed picture that is stored in this orientation upright. From 5 on, width and height change places. `samples`: a
+// std::vector or kit::Array.
+template <class Samples>
+void turn_upright(unsigned orientation, int channels, int& width, int& height, Samples& samples) {
     const bool transposed = orientation >= 5;
     const bool from_right = orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8;
     const bool from_below = orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7;
     if (!transposed && !from_right && !from_below) return;
     const int last_x = width - 1, last_y = height - 1, row = width;
     if (transposed) std::swap(width, height);
-    std::vector<T> upright;
+    Samples upright;
     upright.reserve(samples.size());
     for (int y = 0; y < height; ++y)
         for (int x = 0; x < width; ++x) {

@@ -10,6 +10,8 @@
 #include <string>
 #include <vector>
 
+#include "hmesh/core/array.hpp"
+
 namespace tool {
 
 class RectangleFile;  // rectangles.hpp
@@ -18,9 +20,9 @@ class RectangleFile;  // rectangles.hpp
 struct ImageFile {
     int width = 0, height = 0, channels = 0, bits = 0;
     int padding = 0;  // of the channels, those behind the others that are 0 everywhere: of several images, see image_set.hpp
-    std::vector<std::uint8_t> samples8;
-    std::vector<std::uint16_t> samples16;
-    std::vector<float> samples32;
+    hmesh::kit::Array<std::uint8_t> samples8;
+    hmesh::kit::Array<std::uint16_t> samples16;
+    hmesh::kit::Array<float> samples32;
     std::shared_ptr<RectangleFile> rectangles;  // where the file is read by rectangles: then there are no samples
     std::string note;                           // what the file has beside this picture, a sentence; empty: nothing
     int orientation = 1;  // of the picture in a PNG or JPEG file as Exif numbers them, 1 to 8; here it is upright

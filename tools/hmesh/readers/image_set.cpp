@@ -15,7 +15,7 @@ std::string size_words(const ImageFile& image) {
 
 // The samples of one image among those of all, `stride` channels a pixel.
 template <class T>
-void put(const ImageFile& from, std::vector<T>& to, std::size_t first, std::size_t stride) {
+void put(const ImageFile& from, hmesh::kit::Array<T>& to, std::size_t first, std::size_t stride) {
     const auto channels = static_cast<std::size_t>(from.channels);
     const std::size_t pixels = static_cast<std::size_t>(from.width) * static_cast<std::size_t>(from.height);
     const bool is_float = sizeof(T) == sizeof(float);

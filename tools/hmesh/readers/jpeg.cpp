@@ -107,7 +107,7 @@ std::string decode(Bytes file, ImageFile& image) {
         return why;
     if (!read_rows(reader, image.samples8.data())) return refusal(reader);
     if (jpeg.num_components != 4) return {};
-    std::vector<std::uint8_t> rgb(3 * pixels);
+    hmesh::kit::Array<std::uint8_t> rgb(3 * pixels);
     cmyk_to_rgb(image.samples8.data(), pixels, jpeg.saw_Adobe_marker != 0, rgb.data());
     image.samples8.swap(rgb);
     image.channels = 3;

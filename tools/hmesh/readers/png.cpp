@@ -111,7 +111,7 @@ std::string take_palette(PngReader& reader, ImageFile& image) {
     int colors = 0, alphas = 0;
     if (png_get_PLTE(reader.png, reader.info, &palette, &colors) == 0) return "it has no palette";
     if (png_get_tRNS(reader.png, reader.info, &alpha, &alphas, nullptr) == 0 || alpha == nullptr) alphas = 0;
-    const std::vector<std::uint8_t> indices = std::move(image.samples8);
+    const hmesh::kit::Array<std::uint8_t> indices = std::move(image.samples8);
     if (std::string why = start_image(image, image.width, image.height, alphas == 0 ? 3 : 4, 8); !why.empty()) return why;
     std::uint8_t* to = image.samples8.data();
     for (const std::uint8_t index : indices) {

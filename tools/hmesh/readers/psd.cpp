@@ -108,7 +108,7 @@ void take_white_away(T (&pixel)[4], std::size_t colors) {
 }
 
 template <class T>
-void take_planes(const Psd& psd, const std::vector<unsigned char>& planes, std::vector<T>& to) {
+void take_planes(const Psd& psd, const std::vector<unsigned char>& planes, hmesh::kit::Array<T>& to) {
     const std::size_t pixels = psd.width * psd.height, used = psd.used();
     const Bytes bytes{planes.data(), planes.size()};
     T pixel[4] = {};

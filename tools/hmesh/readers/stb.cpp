@@ -58,7 +58,7 @@ struct Decoded {
 };
 
 template <class T>
-std::string take(const Decoded& size, T* pixels, ImageFile& image, std::vector<T>& samples) {
+std::string take(const Decoded& size, T* pixels, ImageFile& image, hmesh::kit::Array<T>& samples) {
     const std::unique_ptr<T, void (*)(void*)> owner(pixels, stbi_image_free);
     if (pixels == nullptr) return std::string("stb_image refuses it: ") + stbi_failure_reason();
     if (std::string why = start_image(image, size.width, size.height, size.channels, 8 * int{sizeof(T)}); !why.empty())
@@ -309,7 +309,7 @@ std::vector<unsigned char> without_background(Bytes file) {
 // unless all are 0: no picture is meant to be invisible.
 void drop_unsaid_alpha(ImageFile& image) {
     if (image.channels != 4) return;
-    std::vector<std::uint8_t>& samples = image.samples8;
+    hmesh::kit::Array<std::uint8_t>& samples = image.samples8;
     for (std::size_t k = 3; k < samples.size(); k += 4)
         if (samples[k] != 0) return;
     for (std::size_t k = 3; k < samples.size(); k += 4) samples[k] = 255;

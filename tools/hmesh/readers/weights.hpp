@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <string>
-#include <vector>
 
 #include "hmesh/image/image_view.hpp"
 #include "readers/image_file.hpp"
@@ -16,7 +15,7 @@ namespace tool {
 namespace detail {
 
 template <class T>
-void take_weights(const std::vector<T>& samples, int channels, hmesh::Image<float, 1>& weights) {
+void take_weights(const hmesh::kit::Array<T>& samples, int channels, hmesh::Image<float, 1>& weights) {
     const int colors = channels < 3 ? 1 : 3;
     const T* pixel = samples.data();
     for (std::size_t i = 0; i < weights.size(); ++i) {
