@@ -464,9 +464,9 @@ struct [[nodiscard]] ProgressiveMesh {
 /// \param view          the image that the mesh was made of
 /// \param finest        the finest level: a mesh of mesh_image(), or any mesh that Annealed::start takes. It keeps its vertices
 ///     and faces, in another order; its colours change
-/// \param options       progress, limits, weights, round_colors and premultiplied are those of mesh_image(), with the values
-///     that the mesh was made with; channel_weights and periodic are refused, the others say nothing, but what mesh_image()
-///     refuses of them is refused too
+/// \param options       progress, limits, weights, round_colors, premultiplied and samples are those of mesh_image(), with the
+///     values that the mesh was made with; channel_weights that differ and periodic are refused, the others say nothing, but what
+///     mesh_image() refuses of them is refused too
 /// \param nested_options  how many levels, of n, n / 2, n / 4 .. vertices, and what they count; there are fewer levels where no
 ///     more vertices can be removed
 /// \param parallel_for  executor of sums; the order is found on the calling thread
