@@ -35,8 +35,9 @@ struct ProgressInfo {
     /// Makes the mesh so far, for programs that show it while it grows: valid, with colours in the range of the pixel type that
     /// are neither rounded nor the final ones (sampled where channels have weights), and as many vertices as `vertices` says,
     /// often more than the target. Empty where there is none to be had. mesh_image(), but not with Bounded, and mesh_lods() offer
-    /// it at the end of each stage and of each sweep of annealing, on the thread that called them. To be called within this call
-    /// of the callback alone; takes 0.1 to 0.3 us a vertex, and changes no byte of the result.
+    /// it at the end of each stage and of each sweep of annealing, on the thread that called them; with Hierarchical of those
+    /// stages alone that work on the image itself, not on a filtered level. To be called within this call of the callback alone;
+    /// takes 0.1 to 0.3 us a vertex, and changes no byte of the result.
     FunctionRef<Mesh()> mesh_so_far{};
 };
 
