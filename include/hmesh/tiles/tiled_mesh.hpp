@@ -93,8 +93,8 @@ class TiledMesh {
     [[nodiscard]] HMESH_COLD bool has_whole_table() const noexcept { return source_->periodic() == Periodic::none && is_small(); }
     /// What is known of the image: may be moved from one mesh to the next of the same source, between phases.
     [[nodiscard]] ImageNotes<C>& notes() noexcept { return notes_; }
-    /// Whether the image is so small, 2^22 pixels, widest_table() and 512 MiB at most, that patches stay for the next call with
-    /// the same tiling, and one may be of the whole.
+    /// Whether the image is so small, 2^22 pixels, widest_table() and, as if it had weights, 512 MiB at most, that patches stay
+    /// for the next call with the same tiling, and one may be of the whole.
     [[nodiscard]] HMESH_COLD bool is_small() const noexcept {
         return source_->pixels() <= 4194304 && source_->width() <= source_->widest_table() &&
                MomentTable<C>::fits_memory(source_->width(), source_->height(), std::int64_t{1} << 29U);
