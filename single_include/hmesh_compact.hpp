@@ -2593,7 +2593,7 @@ struct CompactOptions {
     /// periodic meshes.
     std::uint32_t color_step = 0;
     /// Whether to write the bare profile: a head of a few bytes and no checksum, for data in a page. Of meshes with peak 255,
-    /// colours of 8 bits, a lattice of whole px and no holes.
+    /// colours of 8 bits, a lattice of whole px and no holes, that are not periodic and whose samples are squares.
     bool bare = false;
     /// Of the bare profile: whether the image's size is left out, as the reader is told it.
     bool size_is_told = false;
@@ -2709,7 +2709,9 @@ class CompactWriter {
             if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         }
         if (options.bare && !is_bare(head_))
-            return {Errc::invalid_argument, "a bare compact mesh must have peak 255, 8 bits, positions of whole px and no holes"};
+            return {Errc::invalid_argument,
+                    "a bare compact mesh must have peak 255, 8 bits, positions of whole px, no holes, square samples and no "
+                    "period"};
         return {};
     }
 

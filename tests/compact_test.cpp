@@ -382,6 +382,9 @@ TEST_CASE("the bare profile has a head of five bytes and comes back") {
     bare.bare = true;
     CHECK(refusal(random_mesh({96, 64, 128, 40, 0, 60, 3, 0}, 8), bare).code == Errc::invalid_argument);    // half px
     CHECK(refusal(random_mesh({96, 64, 256, 40, 0, 60, 3, 0.5}, 8), bare).code == Errc::invalid_argument);  // holes
+    Mesh points = random_mesh({95, 63, 256, 40, 0, 60, 3, 0}, 8);
+    points.width = 96, points.height = 64, points.samples = hmesh::Samples::points;
+    CHECK(std::string(refusal(points, bare).what).find("square samples") != std::string::npos);
 }
 
 TEST_CASE("coarse colours come back within their steps, and the finer the nearer") {

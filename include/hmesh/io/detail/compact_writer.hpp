@@ -82,7 +82,9 @@ class CompactWriter {
             if (const Status status = kit::check_periodic(*mesh_); !status) return status;
         }
         if (options.bare && !is_bare(head_))
-            return {Errc::invalid_argument, "a bare compact mesh must have peak 255, 8 bits, positions of whole px and no holes"};
+            return {Errc::invalid_argument,
+                    "a bare compact mesh must have peak 255, 8 bits, positions of whole px, no holes, square samples and no "
+                    "period"};
         return {};
     }
 
