@@ -56,7 +56,8 @@ struct HeightOptions {
     bool has_normals = true;        ///< a smooth normal for each vertex
     Drape drape = Drape::raster;    ///< the texture coordinates
     /// The name of the image that is draped over the terrain, a path as seen from the file: in glTF, where it is a URI, and
-    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named, as with Drape::none.
+    /// PLY. In OBJ that of the material file, which write_material() writes. nullptr: none is named, as those three want
+    /// it with Drape::none.
     const char* texture = nullptr;
     /// Units, at least 0: how deep walls hang from the four sides of the mesh, in glTF alone; 0: there are none. They hide cracks
     /// between tiles of different levels of detail.
