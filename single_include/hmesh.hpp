@@ -2956,14 +2956,15 @@ namespace detail {
 /// Whether groups describe this mesh: each of 1 to 4 channels, a normal of 3 and at most one, together no more channels than the
 /// mesh has, whose colours are straight; with names that differ from one another in more than capitals, and from those that files
 /// give to positions and colours (x, nx, red, alpha, intensity and their like). Otherwise invalid_argument with the number of the
-/// group, from 0 on; of too many channels with how many they are, and of a null pointer with how many groups it is to point at.
+/// group, from 0 on; of too many channels with how many they are, of a null pointer with how many groups it is to point at, and
+/// of colours that are not straight with no number.
 [[nodiscard]] HMESH_COLD inline Status check(const ChannelGroups& groups, const MeshView& mesh) noexcept {
     if (groups.is_empty()) return {};
     const auto bad = [](const char* what, std::size_t value, std::size_t limit) {
         return Status(Errc::invalid_argument, what, static_cast<std::int64_t>(value), static_cast<std::int64_t>(limit));
     };
     if (groups.groups == nullptr) return bad("the pointer to the groups of channels is null, of their number", groups.count, 0);
-    if (mesh.premultiplied) return bad("a mesh with groups of channels must have straight colours", 0, 0);
+    if (mesh.premultiplied) return {Errc::invalid_argument, "a mesh with groups of channels must have straight colours"};
     std::size_t channels = 0, normals = 0;
     for (std::size_t i = 0; i < groups.count; ++i) {
         const ChannelGroup& group = groups.groups[i];

@@ -333,6 +333,7 @@ TEST_CASE("groups that do not describe the mesh are refused with their number, a
     hmesh::MeshView multiplied = mesh.view();
     multiplied.premultiplied = true;
     CHECK(check(view(material), multiplied).code == hmesh::Errc::invalid_argument);
+    CHECK(!check(view(material), multiplied).has_value);  // it is no group's fault
     CHECK(check(ChannelGroups{nullptr, 2}, mesh.view()).value == 2);
     hmesh::Mesh broken = mesh;
     broken.colors[5] = std::numeric_limits<float>::quiet_NaN();
