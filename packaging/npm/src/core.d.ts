@@ -153,8 +153,8 @@ export class Hmesh {
   /** The bytes of a file. */
   write(mesh: MeshArrays, format: Format, options?: WriteOptions): Bytes;
   /** The mesh of an .hmc file; grey becomes RGB, 16 bits become 8, and a periodic mesh one that covers its picture and stands
-   * out of it, of which write() makes no .hmc. Files with a start table, as the command's --bytes makes them without --no-table, are
-   * refused, and that colours are for linear light is not told. */
+   * out of it, of which write() makes no .hmc. Files with a start table, as the command's --bytes makes them without --no-table, and of
+   * samples that are points are refused, and that colours are for linear light is not told. */
   read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */
   render(mesh: MeshArrays, options?: RenderOptions): Picture;
