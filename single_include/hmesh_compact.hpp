@@ -2472,7 +2472,7 @@ struct CompactBody {
     return points;
 }
 
-/// Codes how many points are on the four sides and inside: the number of binary digits, and these. `most`: the largest numbers.
+/// Codes how many points are on the four sides and inside: the number of binary digits, and these.
 inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& counts) {
     const auto rest = [&](std::uint32_t value, int digits) {
         return digits == 0 ? 0U : std::uint32_t{1} << (digits - 1) | coder.bits(value, digits - 1);
@@ -3522,8 +3522,8 @@ template <class T, int C>
 
 namespace hmesh::detail {
 
-/// An image whose pixels each stand for `step` x `step` px of another, the last ones of a row or column perhaps for fewer, with
-/// their mean colours.
+/// An image whose pixels each stand for `step_x` x `step_y` px of another, the last ones of a row or column perhaps for fewer,
+/// with their mean colours.
 template <class T, int C>
 [[nodiscard]] HMESH_COLD Image<std::uint8_t, C> shrunk(const ImageView<T, C>& view, int columns, int rows, double step_x,
                                                        double step_y, const ParallelFor& parallel_for) {

@@ -2175,8 +2175,8 @@ struct Sheet {
     Array<Triangle> faces;        ///< positively oriented
 };
 
-/// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Calls
-/// is_kin(copy, original) for each vertex of the new sheet. O(n log n).
+/// Gives each fan of faces a vertex of its own, and drops vertices without faces; the others keep their order. Returns which one
+/// each vertex of the new sheet was before. O(n log n).
 HMESH_COLD inline Array<std::uint32_t> separate_fans(Sheet& sheet) {
     Array<FanCorner> corners;
     corners.reserve(3 * sheet.faces.size());

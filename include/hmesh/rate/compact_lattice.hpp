@@ -17,8 +17,8 @@
 
 namespace hmesh::detail {
 
-/// An image whose pixels each stand for `step` x `step` px of another, the last ones of a row or column perhaps for fewer, with
-/// their mean colours.
+/// An image whose pixels each stand for `step_x` x `step_y` px of another, the last ones of a row or column perhaps for fewer,
+/// with their mean colours.
 template <class T, int C>
 [[nodiscard]] HMESH_COLD Image<std::uint8_t, C> shrunk(const ImageView<T, C>& view, int columns, int rows, double step_x,
                                                        double step_y, const ParallelFor& parallel_for) {

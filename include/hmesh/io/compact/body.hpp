@@ -74,7 +74,7 @@ struct CompactBody {
     return points;
 }
 
-/// Codes how many points are on the four sides and inside: the number of binary digits, and these. `most`: the largest numbers.
+/// Codes how many points are on the four sides and inside: the number of binary digits, and these.
 inline void code_counts(ArithmeticCoder& coder, std::array<std::uint32_t, 5>& counts) {
     const auto rest = [&](std::uint32_t value, int digits) {
         return digits == 0 ? 0U : std::uint32_t{1} << (digits - 1) | coder.bits(value, digits - 1);
