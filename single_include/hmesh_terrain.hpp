@@ -1505,8 +1505,8 @@ inline void write_tile_normals(Writer& writer, const MeshView& mesh, const Heigh
 }
 
 /// Writes a mesh as a tile of quantized-mesh 1.0. A mesh that write_height_ply() refuses, that reaches beyond its image or has no
-/// faces, sides that are no degrees or no more than half the globe apart, and heights beyond `low` and `high` give a Status that
-/// says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
+/// faces, sides that are no degrees, no distance or more than half the globe apart, and heights beyond `low` and `high` give a
+/// Status that says so, and no byte is written; a sink that refuses bytes gives Errc::write_failed.
 inline Status write_quantized_mesh(const MeshView& mesh, const HeightSamples& samples, Sink sink,
                                    const QuantizedMeshOptions& tile) {
     if (const Status status = detail::check_for_tile(mesh, samples, tile); !status) return status;
