@@ -50,10 +50,10 @@ namespace hmesh {
 ///
 /// Memory: 0.28 KB a vertex asked for with Effort::draft, 0.54 KB with normal, and 0.6 KB for each vertex placed in the tiles
 /// at work. Of an image of up to 4194304 px (of 4 channels 3.3 million, of 16 1.3) all tiles are kept from phase to phase: 1.2
-/// to 2.5 KB a vertex in all. Moment tables take 16 bytes a pixel for 8-bit RGB, 92 with weights: images of so many px are one
-/// table where they are 16384 px wide at most, 4096 with weights; of others, and of periodic ones, each tile at work has its own.
-/// With recipes other than Annealed any image is one tile. Stack on each thread that works: 0.2 MB for up to 4 channels, 0.5 MB
-/// for 16. Never inlined: all calls run the same instructions, so that they round alike.
+/// to 2.5 KB a vertex in all. Moment tables take 16 bytes a pixel for 8-bit RGB (64 beyond 4104 px of width), 92 with weights:
+/// images of so many px are one table where they are 16384 px wide at most, 4096 with weights; of others, and of periodic ones,
+/// each tile at work has its own. With recipes other than Annealed any image is one tile. Stack on each thread that works: 0.2 MB
+/// for up to 4 channels, 0.5 MB for 16. Never inlined: all calls run the same instructions, so that they round alike.
 template <class T, int C, class Recipe = Annealed, class = std::enable_if_t<kit::is_recipe<Recipe>>>
 [[nodiscard]] HMESH_NEVER_INLINE Result mesh_image(const ImageView<T, C>& view, const Options& options = {},
                                                    const Recipe& recipe = {}, const ParallelFor& parallel_for = {});

@@ -18,7 +18,8 @@
 /// of indices.
 ///
 /// Cost: some 60 us a vertex of the finest mesh, half of mesh_image() at effort normal; one moment table of the whole image (16
-/// bytes a pixel for 8-bit RGB) and 2.7 KB a vertex, 1.9 KB with one level. One piece of work, but for sums.
+/// bytes a pixel for 8-bit RGB, 64 beyond 4104 px of width) and 2.7 KB a vertex, 1.9 KB with one level. One piece of work, but
+/// for sums.
 #ifndef HMESH_LODS_PROGRESSIVE_MESH_HPP
 #define HMESH_LODS_PROGRESSIVE_MESH_HPP
 
