@@ -555,7 +555,7 @@ def mesh_terrain(
     nan_is_no_data: whether NaN and infinity are no heights; by default they are refused
     free_borders: whether sides may depend on what is inside; by default tiles that share a row share its vertices
 
-    Raises as mesh_image() does.
+    Raises as mesh_image() does, and ValueError where `progress` ends the work before there is a mesh within the bound.
     """
     array = _image(heights, 1)
     options = _plain_options()
