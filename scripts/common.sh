@@ -133,6 +133,8 @@ need() {
             m32) printf '#include <vector>\n' | g++ -m32 -x c++ -fsyntax-only - 2>/dev/null || packages+=(g++-multilib) ;;
             mingw) has x86_64-w64-mingw32-g++-posix || packages+=(g++-mingw-w64-x86-64) ;;
             wine) has wine || packages+=(wine wine64) ;;
+            g++-aarch64 | g++-s390x) has "${what#g++-}-linux-gnu-g++" || packages+=("$what-linux-gnu") ;;
+            qemu) has qemu-aarch64 || packages+=(qemu-user) ;;
             emscripten) has em++ || packages+=(emscripten) ;;
             node) has node || packages+=(nodejs) ;;
             browser)  # what tests of pages run

@@ -22,6 +22,8 @@ clang19-O0; clang++-19; 23; -O0 -Wno-deprecated-declarations; ; the newest clang
 clang19-O3; clang++-19; 20; -O3 -DNDEBUG -march=native -fno-exceptions -fno-rtti -Wno-deprecated-declarations; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; all that clang++ can do
 single-header; clang++-14; 23; -O0 -fno-exceptions -fno-rtti -DEIGEN_MPL2_ONLY; HMESH_TEST_SINGLE_HEADER=ON HMESH_BUILD_EXAMPLES=OFF; an older clang++, all tests with single_include/hmesh.hpp
 mingw; x86_64-w64-mingw32-g++-posix; 17; -O1; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; Windows: long of 32 bits, another C library, run by Wine
+aarch64; aarch64-linux-gnu-g++; 17; -O2; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 64-bit ARM: char without a sign, contracted products in all code, run by qemu
+s390x; s390x-linux-gnu-g++; 17; -O2 -DNDEBUG; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; IBM Z: numbers in memory begin with their highest byte, run by qemu
 emscripten; em++; 17; -O1 -fexceptions -pthread; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; WebAssembly: 32 bits, no packet mathematics in Eigen, libc++, run by node
 TABLE
 }
@@ -36,6 +38,7 @@ version_of() {
         *mingw*) printf 'MinGW-w64 g++ %s' "$("$1" -dumpversion)" ;;
         em++) printf 'Emscripten %s, node %s' "$(em++ --version | sed -n '1s/.* \([0-9.]*\) .*/\1/p')" "$(node --version)" ;;
         *clang*) printf 'clang++ %s' "$("$1" -dumpversion)" ;;
+        *-linux-gnu-g++) printf 'g++ %s for %s' "$("$1" -dumpfullversion)" "${1%%-*}" ;;
         *) printf 'g++ %s' "$("$1" -dumpfullversion)" ;;
     esac
 }
@@ -47,6 +50,7 @@ need_for() {
         clang19*) need clang-19 ;;
         gcc-m32*) need m32 ;;
         mingw) need mingw wine ;;
+        aarch64 | s390x) need "g++-$1" qemu ;;
         emscripten) need emscripten ;;
     esac
 }
@@ -80,6 +84,10 @@ run_cell() {
         em++)
             arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/emscripten.cmake" -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
             export NODE_PATH=/usr/share/nodejs
+            ;;
+        *-linux-gnu-g++)
+            arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/qemu.cmake" -DHMESH_PROCESSOR="${compiler%%-*}"
+                -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
             ;;
         *) arguments+=(-DCMAKE_CXX_COMPILER="$compiler") ;;
     esac
