@@ -263,6 +263,23 @@ def test_levels_of_heights_of_64_bits_say_how_far_they_are_off_these(terrain):
             assert judge(thinned(samples, part), model, place) <= tile[told]
 
 
+@pytest.mark.parametrize("cells", [2, 8])
+@pytest.mark.parametrize("along", [0, 1])
+def test_a_pit_in_a_row_that_tiles_share_counts_for_both_wherever_rounding_takes_the_row(terrain, cells, along):
+    side = 2 * cells  # of level 1; the pit is between its samples
+    x, y = (side, 1) if along == 1 else (1, side)
+    Path("dem.asc").write_bytes(dems.asc([[-500 if (i, j) == (x, y) else 0 for i in range(2 * side + 1)] for j in range(2 * side + 1)]))
+    for spacing in ["1", "0.1", "30.87"]:
+        terrain.done(f"job plan dem.asc -o {spacing} --max-error 1 --tiles {cells} --levels 2 --spacing {spacing} -q")
+        finish(terrain, spacing)
+        index, tileset = (json.loads(read(f"{spacing}/tiles/{name}.json")) for name in ("index", "tileset"))
+        off = {(tile["x"], tile["y"]): tile["input_error"] for tile in index["tiles"] if tile["level"] == 1}
+        beside = {(0, 0), (1, 0) if along == 1 else (0, 1)}
+        assert off == {place: pytest.approx(500 if place in beside else 0) for place in [(0, 0), (1, 0), (0, 1), (1, 1)]}
+        coarse = [node for node, _ in nodes(tileset["root"]) if node.get("content", {}).get("uri", "").startswith("1/")]
+        assert sum(node["geometricError"] > 499 for node in coarse) == 2
+
+
 def test_skirts_reach_into_pits_of_their_rows_that_a_level_leaves_out(terrain):
     pits = {(2, 0), (2, 8), (0, 2), (8, 2)}  # between samples 0 and 4 of level 2
     heights = [[100 if (x, y) in pits else 300 for x in range(9)] for y in range(9)]

@@ -120,19 +120,21 @@ std::string measure_all(const Level& level, const Tile& tile, Surface surface, D
     for (double& x : surface.x) x *= step;
     for (double& y : surface.y) y *= step;
     const int rows = std::max(1, tile.height / step);
-    std::vector<float> heights(static_cast<std::size_t>(wide) * static_cast<std::size_t>(rows));
+    // And one more on each side: of a sample that rounding leaves beside the surface the cells around it say that it counts.
+    std::vector<float> heights(static_cast<std::size_t>(wide) * static_cast<std::size_t>(rows + 2));
     max_error = 0;
-    for (int row = 0; row < high; row += rows) {
-        const int count = std::min(rows, high - row);
+    for (int row = 0, before = 0; row < high; row += rows) {
+        const int first = std::max(0, row - 1), count = std::min(high, row + rows + 1) - first;
+        for (double& y : surface.y) y -= first - before;
+        before = first;
         double rounding = 0;
-        if (std::string why = dem.read(level.column + tile.column * step, level.row + tile.row * step + row, wide, count,
+        if (std::string why = dem.read(level.column + tile.column * step, level.row + tile.row * step + first, wide, count,
                                        heights.data(), rounding);
             !why.empty())
             return why;
         constexpr double slack = 1.0 / 32;  // samples
         const Measured found = measure(surface, {heights.data(), wide, count, 0}, slack);
         if (found.samples > 0) max_error = std::max(max_error, found.max_error + rounding);
-        for (double& y : surface.y) y -= count;
     }
     return {};
 }
