@@ -620,6 +620,13 @@ def test_samples_that_are_no_metres_apart_in_either_direction_or_too_many_are_re
     assert not Path("x.ply").exists()
 
 
+def test_scales_that_make_0_of_all_heights_are_refused(terrain):
+    write("dem.pgm", dems.pgm(ground(9, 9)))
+    for how in ["--vertices 20", "--max-error 9"]:
+        terrain.fails("--scale and --z-scale make 0 of all heights", f"dem.pgm -o x.ply {how} --scale 1e-30 --z-scale 1e-300")
+    assert not Path("x.ply").exists()
+
+
 def test_tiles_of_a_budget_keep_to_one_range_of_heights(terrain):
     write("dem.raw", dems.raw([[1000 if (7919 * x + 104729 * y) % 53 == 0 else 0 for x in range(61)] for y in range(61)]))
     terrain.done(f"dem.raw --size 61x61 -o t.terrain --vertices 200 --border-tolerance 5 --tiles 30 {EXTENT}")

@@ -45,6 +45,7 @@ std::string find_frame(const Arguments& arguments, const Dem& dem, Frame& frame)
         return "'" + arguments.input + "' has samples that are no metres apart, or too many";
     frame.y_origin = frame.y_step * rows;
     frame.z_scale = arguments.z_scale * (arguments.format == Format::quantized_mesh ? 1 : arguments.scale);
+    if (!(frame.z_scale > 0)) return "--scale and --z-scale make 0 of all heights";
     frame.z_offset = arguments.offset * frame.z_scale;
     if (arguments.format == Format::quantized_mesh && !frame.extent)
         return "'" + arguments.input + "' does not say its degrees: --extent does, or gdalwarp -t_srs EPSG:4326 makes it";
