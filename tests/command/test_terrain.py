@@ -944,6 +944,8 @@ ODD_ASC = rows("""
     ends before            | ncols 2 nrows 2 cellsize 1 1 2 3
     ends before            | ncols 2000000000 nrows 2000000000 cellsize 1 1 2 3
     has no number          | ncols two
+    corner that is not     | ncols 2 nrows 2 xllcorner 1e400 yllcorner 0 cellsize 1 1 2 3 4
+    corner that is not     | ncols 2 nrows 2 xllcenter 0 yllcenter nan cellsize 1 1 2 3 4
     """)
 
 
@@ -951,6 +953,14 @@ ODD_ASC = rows("""
 def test_what_is_wrong_with_an_asc_is_said(terrain, sentence, text):
     Path("dem.asc").write_text(text)
     terrain.fails(sentence, "dem.asc --no-gdal -o x.ply --max-error 1")
+
+
+def test_long_words_of_an_asc_are_read_to_their_end(terrain):
+    write("dem.asc", b"ncols 2 nrows 2 cellsize 1 0." + b"0" * 80 + b"3e81 1 2 1." + b"0" * 90)
+    terrain.done("dem.asc --no-gdal -o x.obj --max-error 0")
+    assert sorted(z for _, _, z in read_model("x.obj").vertices) == [1, 1, 2, 3]
+    write("dem.asc", b"ncols 2 nrows 2 cellsize 1 1 2 3 0." + b"0" * 600 + b"4e601")
+    terrain.fails("which is no number", "dem.asc --no-gdal -o y.obj --max-error 0")
 
 
 CRS = 'GEOGCS["Earth",DATUM["D",SPHEROID["S",6378137,298]],PRIMEM["G",0],UNIT["degree",0.0174532925199433]]'

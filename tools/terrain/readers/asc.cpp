@@ -26,7 +26,8 @@ class Words {
     [[nodiscard]] bool is_open() const noexcept { return file_ != nullptr; }
     [[nodiscard]] bool has_failed() const noexcept { return std::ferror(file_.get()) != 0; }
 
-    // The next word, of at most 63 letters; null at the end. Valid until the next call.
+    // The next word; null at the end. Valid until the next call. One of more than 511 letters ends in dots there, as no number
+    // does: the rest may be an exponent.
     [[nodiscard]] const char* next() {
         int c = get();
         while (c == ' ' || (c >= '\t' && c <= '\r')) c = get();
@@ -34,6 +35,7 @@ class Words {
         std::size_t n = 0;
         for (; c != EOF && c != ' ' && !(c >= '\t' && c <= '\r'); c = get())
             if (n + 1 < sizeof word_) word_[n++] = static_cast<char>(c);
+            else std::fill_n(word_ + n - 3, 3, '.');
         word_[n] = '\0';
         return word_;
     }
@@ -51,7 +53,7 @@ class Words {
     std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
     std::vector<char> buffer_ = std::vector<char>(std::size_t{1} << 16U);
     std::size_t at_ = 0, end_ = 0;
-    char word_[64] = {};
+    char word_[512] = {};
 };
 
 bool parse(const char* text, double& value) {
@@ -97,6 +99,7 @@ std::string read_head(Words& words, const char*& word, Head& head) {
     if (!is_count(head.columns) || !is_count(head.rows)) return "its head has no ncols and nrows of 1 or more";
     if (!(head.step_x > 0) || !(head.step_y > 0) || !std::isfinite(head.step_x) || !std::isfinite(head.step_y))
         return "its head has no cellsize above 0";
+    if (!std::isfinite(head.x) || !std::isfinite(head.y)) return "its head has a corner that is not finite";
     return {};
 }
 
