@@ -280,6 +280,16 @@ def test_a_pit_in_a_row_that_tiles_share_counts_for_both_wherever_rounding_takes
         assert sum(node["geometricError"] > 499 for node in coarse) == 2
 
 
+def test_a_pit_beside_a_hole_counts_where_15_bits_leave_it_beside_the_surface(terrain):
+    width, hole, pit = 4097, range(1456, 1480), (1480, 3)  # of which 15 bits make 1480.045
+    heights = [[None if x in hole else -500 if (x, y) == pit else 0 for x in range(width)] for y in range(17)]
+    Path("dem.asc").write_bytes(dems.asc(heights))
+    terrain.done("job plan dem.asc -o job --max-error 1 --tiles 512 --levels 4 --format terrain --extent 0,0,1,0.004 --effort draft -q")
+    finish(terrain)
+    off = [level["input_error"] for level in json.loads(read("job/tiles/index.json"))["levels"]]
+    assert off[0] < 1 and off[1:] == [pytest.approx(500, abs=0.01)] * 3
+
+
 def test_skirts_reach_into_pits_of_their_rows_that_a_level_leaves_out(terrain):
     pits = {(2, 0), (2, 8), (0, 2), (8, 2)}  # between samples 0 and 4 of level 2
     heights = [[100 if (x, y) in pits else 300 for x in range(9)] for y in range(9)]

@@ -53,14 +53,6 @@ std::string more_than(double bound) {
     return text;
 }
 
-// How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
-// step of 15 bits, either way with as much again.
-double slack_of(const Arguments& arguments, const Tile& tile) {
-    if (arguments.format != Format::quantized_mesh)
-        return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
-    return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
-}
-
 // Keeps the heights of a mesh within the range of all tiles, where the samples of this one are: a number of vertices puts some as
 // far beyond the samples as the least error asks for. Neighbours do the same with the vertices that they share.
 void keep_within(const HeightRange& range, const Window& window, hmesh::Mesh& mesh) {
@@ -72,6 +64,12 @@ void keep_within(const HeightRange& range, const Window& window, hmesh::Mesh& me
 }
 
 }  // namespace
+
+double slack_of(const Arguments& arguments, const Tile& tile) {
+    if (arguments.format != Format::quantized_mesh)
+        return 1.0 / 32;  // the solid of an STL file has vertices of its own a 64th apart where two holes meet
+    return 1e-6 + std::max(tile.width, tile.height) / 32767.0;
+}
 
 std::string find_heights(Dem& dem, HeightRange& heights) {
     heights = {};

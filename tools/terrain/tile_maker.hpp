@@ -22,6 +22,10 @@ namespace terrain {
 // wrong, as Dem::read() does.
 [[nodiscard]] std::string find_heights(Dem& dem, HeightRange& heights);
 
+// How far from a sample a border may be that runs through it, in samples: what floats of local metres keep of 65536, or half a
+// step of 15 bits, either way with as much again.
+[[nodiscard]] double slack_of(const Arguments& arguments, const Tile& tile);
+
 class TileMaker {
   public:
     // Of what outlives this object.

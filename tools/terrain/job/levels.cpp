@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 
+#include "terrain/tile_maker.hpp"
 #include "terrain/written/measure.hpp"
 
 namespace terrain {
@@ -119,6 +120,8 @@ std::string measure_all(const Level& level, const Tile& tile, Surface surface, D
     const int step = level.step, wide = (tile.width - 1) * step + 1, high = (tile.height - 1) * step + 1;
     for (double& x : surface.x) x *= step;
     for (double& y : surface.y) y *= step;
+    // Metres are rounded alike whatever the step, 15 bits by so many of the level's samples.
+    const double slack = slack_of(level.arguments, tile) * (level.arguments.format == Format::quantized_mesh ? step : 1);
     const int rows = std::max(1, tile.height / step);
     // And one more on each side: of a sample that rounding leaves beside the surface the cells around it say that it counts.
     std::vector<float> heights(static_cast<std::size_t>(wide) * static_cast<std::size_t>(rows + 2));
@@ -132,7 +135,6 @@ std::string measure_all(const Level& level, const Tile& tile, Surface surface, D
                                        heights.data(), rounding);
             !why.empty())
             return why;
-        constexpr double slack = 1.0 / 32;  // samples
         const Measured found = measure(surface, {heights.data(), wide, count, 0}, slack);
         if (found.samples > 0) max_error = std::max(max_error, found.max_error + rounding);
     }
