@@ -1,5 +1,6 @@
 """hmesh-terrain job --levels: tiles of several levels of detail, each of them one surface within its bound."""
 import json
+import math
 import struct
 from pathlib import Path
 
@@ -193,6 +194,26 @@ def test_zooms_of_cesiums_grid_have_the_tiles_that_lie_within_the_input(terrain,
         samples = [line[column : column + cells * step + 1 : step] for line in heights[row : row + cells * step + 1 : step]]
         place = lambda u, v, z: (u * cells, (1 - v) * cells, z)
         assert judge(samples, read_model(f"job/tiles/{name}"), place, slack=0.001) <= BOUND * step
+
+
+@pytest.mark.parametrize("west", [-181, -180, 170, 178, 180, 185])
+def test_degrees_may_be_counted_beyond_180(terrain, west):
+    side, cells, across = 180 / 2 ** 6, 4, 4
+    first = round((west + 180) / side)
+    west = first * side - 180
+    Path("dem.asc").write_bytes(dems.asc(ground(across * cells + 1, 2 * cells + 1)))
+    terrain.done(f"job plan dem.asc -o job --max-error 9 --tiles {cells} --levels 2 --format terrain --extent {west},0,{west + across * side},{2 * side} -q")
+    finish(terrain)
+    columns = {(first + x) % 128 for x in range(across)}
+    layer = json.loads(read("job/tiles/layer.json"))
+    assert {x for run in layer["available"][6] for x in range(run["startX"], run["endX"] + 1)} == columns
+    assert {int(name.split("/")[1]) for name in tiles() if name.startswith("6/")} == columns
+    assert {int(name.split("/")[1]) for name in tiles() if name.startswith("5/")} == {x // 2 for x in columns if x % 2 == 0 and x + 1 in columns}
+    for name in set(tiles()) - {"layer.json", "index.json"}:
+        zoom, x, _ = (int(number) for number in name.replace(".terrain", "").split("/"))
+        middle = struct.unpack_from("<2d", Path("job/tiles", name).read_bytes())
+        degrees = math.degrees(math.atan2(middle[1], middle[0])) + 180
+        assert degrees == pytest.approx((x + 0.5) * 180 / 2 ** zoom, abs=0.01)
 
 
 # The last column of tiles of 98 samples, 96 to 97, stands beside coarser levels that end there, amid a tile's side.

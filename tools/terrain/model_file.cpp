@@ -36,10 +36,11 @@ hmesh::Status write_model(const Arguments& arguments, const Dem& dem, const Fram
             return hmesh::write_height_stl(mesh, sink, options);
         case Format::quantized_mesh: {
             const Extent extent = extent_of(frame, dem.width, dem.height, tile);
+            const double turn = extent[0] > 180 ? -360 : extent[0] < -180 ? 360 : 0;  // files may count degrees from 0 to 360
             hmesh::QuantizedMeshOptions globe;
-            globe.west = extent[0];
+            globe.west = extent[0] + turn;
             globe.south = extent[1];
-            globe.east = extent[2];
+            globe.east = extent[2] + turn;
             globe.north = extent[3];
             globe.z = options.z;
             globe.low = frame.z_offset + frame.z_scale * range.low;

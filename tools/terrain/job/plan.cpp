@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -16,6 +17,9 @@ using job::Json;
 
 constexpr char program[] = "hmesh-terrain";
 
+// How many tiles of Cesium's grid there are around the Earth.
+constexpr std::int64_t around(int zoom) noexcept { return std::int64_t{2} << zoom; }
+
 // Whether tiles are those of Cesium's grid, to a millionth of a tile's side.
 std::optional<GlobeGrid> find_globe(const Plan& plan, const Frame& frame, const Dem& dem) {
     if (plan.arguments.format != Format::quantized_mesh) return {};
@@ -27,8 +31,10 @@ std::optional<GlobeGrid> find_globe(const Plan& plan, const Frame& frame, const 
     const double west = (first[0] + 180) / side, north = (first[1] + 90) / side;
     if (!is_whole(zoom) || zoom < -0.5 || zoom > 30 || !is_whole(west) || !is_whole(north)) return {};
     if (std::fabs(first[3] - first[1] - side) > 1e-6 * side) return {};
-    return GlobeGrid{static_cast<int>(std::lround(zoom)), static_cast<int>(std::lround(west)),
-                     static_cast<int>(std::lround(north))};
+    const int level = static_cast<int>(std::lround(zoom));
+    const std::int64_t most = around(level), from_west = std::llround(west);
+    if ((plan.width - 1) / cells > most) return {};  // tiles would have one name
+    return GlobeGrid{level, static_cast<int>((from_west % most + most) % most), static_cast<int>(std::lround(north))};
 }
 
 Json frame_value(const Frame& frame) {
@@ -243,8 +249,9 @@ Tile tile_of(const Plan& plan, const TaskName& task) {
 GlobeTile globe_tile(const Plan& plan, const TaskName& task) {
     const Level& level = plan.level(task.level);
     const int cells = plan.arguments.tile;
-    return {plan.globe->zoom - task.level, (plan.globe->west + level.column / cells) / level.step + task.x,
-            (plan.globe->north + 1 - level.row / cells) / level.step - 1 - task.y};
+    const int zoom = plan.globe->zoom - task.level;
+    const std::int64_t x = (std::int64_t{plan.globe->west} + level.column / cells) / level.step + task.x;
+    return {zoom, static_cast<int>(x % around(zoom)), (plan.globe->north + 1 - level.row / cells) / level.step - 1 - task.y};
 }
 
 std::string tile_file(const Plan& plan, const TaskName& task) {
