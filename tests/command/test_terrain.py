@@ -2,6 +2,7 @@
 import json
 import math
 import os
+import random
 import re
 import resource
 import shutil
@@ -123,6 +124,16 @@ def test_where_rounding_takes_more_than_its_share_the_mesh_is_made_anew_within_a
             for effort in EFFORTS:
                 report = report_of(terrain, f"dem.raw --size 20x20 -o {name} {options} --max-error {smallest} --effort {effort}")
                 assert report["max_error"] <= float(smallest)
+
+
+def test_far_from_the_origin_best_takes_no_more_triangles_than_normal(terrain):
+    chance = random.Random(1)
+    row = lambda y: [100 * round(chance.random()) if chance.random() < 0.3 else 30 * math.sin(x / 5) * math.cos(y / 3) for x in range(64)]
+    write("dem.raw", b"".join(2048 * dems.raw([row(y)]) for y in range(17)))
+    arguments = "dem.raw --size 131072x17 -o t.ply --max-error 8 --tiles 64 --spacing 0.7"
+    for only in ["1_0", "2000_0"]:
+        normal, best = (report_of(terrain, f"{arguments} --only {only} --effort {effort}") for effort in ["normal", "best"])
+        assert best["max_error"] <= 8 and best["triangles"] <= normal["triangles"]
 
 
 def test_tiles_of_15_bits_keep_one_range_of_heights_and_one_border_with_all_efforts(terrain):

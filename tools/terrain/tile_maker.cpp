@@ -28,16 +28,17 @@ struct Attempt {
     Effort effort;
 };
 
-// What is tried until a file keeps the bound. Faces of `best` may be steep where no sample is, and there rounding a place is an
-// error of heights that a tighter bound hardly makes smaller: of 15 bits it takes `normal` then, whose borders are the same. The
-// last attempt has borders of its own and is the same for all bounds: what it is off by is the smallest that surely is kept.
+// What is tried until a file keeps the bound. Faces of `best` may be steep where no sample is, and there rounding a place is
+// an error of heights that a tighter bound hardly makes smaller: of 15 bits, and of floats far from the origin, it takes
+// `normal` then, whose borders are the same. The last attempt has borders of its own and is the same for all bounds: what it
+// is off by is the smallest that surely is kept.
 std::vector<Attempt> attempts(Effort effort, bool is_globe, bool is_hopeless) {
     const double of_borders = is_globe ? share_of_borders_of_globe : share_of_borders;
     std::vector<Attempt> all;
     if (!is_hopeless) {
-        if (is_globe && effort == Effort::best) {
+        if (effort == Effort::best) {
             for (const double share : shares)
-                if (share >= of_borders) all.push_back({share, of_borders, effort});
+                if (share >= share_of_borders_of_globe) all.push_back({share, of_borders, effort});
             effort = Effort::normal;
         }
         for (const double share : shares) all.push_back({share, of_borders, effort});
