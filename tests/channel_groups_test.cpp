@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <string>
 #include <vector>
 
@@ -22,6 +21,7 @@ namespace {
 using hmesh::ChannelGroup;
 using hmesh::ChannelGroups;
 using hmesh_test::Bytes;
+using hmesh_test::number_at;
 
 // Albedo with alpha, normal, roughness, two numbers, a second colour: 13 channels.
 constexpr std::array<ChannelGroup, 5> material = {{{"albedo", ChannelGroup::Meaning::color, 4},
@@ -52,14 +52,6 @@ std::array<double, 3> normal(const hmesh::Mesh& mesh, std::size_t v, std::size_t
     const double x = 2 * share(mesh, v, channel) - 1, y = 2 * share(mesh, v, channel + 1) - 1,
                  z = 2 * share(mesh, v, channel + 2) - 1, length = std::hypot(x, y, z);
     return {x / length, y / length, z / length};
-}
-
-template <class T>
-T number_at(const Bytes& bytes, std::size_t at) {  // the test runs on little-endian machines
-    T value{};
-    if (at + sizeof value > bytes.size()) FAIL("the file is too short");
-    std::memcpy(&value, bytes.data() + at, sizeof value);
-    return value;
 }
 
 // Attributes of a .glb, by the glTF specification alone.

@@ -26,12 +26,7 @@ struct Chunks {
     Bytes binary;
 };
 
-std::uint32_t word_at(const Bytes& bytes, std::size_t at) {  // the test runs on little-endian machines
-    std::uint32_t word = 0;
-    REQUIRE(at + 4 <= bytes.size());
-    std::memcpy(&word, bytes.data() + at, 4);
-    return word;
-}
+std::uint32_t word_at(const Bytes& bytes, std::size_t at) { return hmesh_test::number_at<std::uint32_t>(bytes, at); }
 
 Chunks chunks_of(const Bytes& bytes) {
     Chunks chunks;

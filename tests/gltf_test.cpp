@@ -18,6 +18,7 @@
 namespace {
 
 using hmesh_test::Bytes;
+using hmesh_test::number_at;
 using hmesh_test::two_faces;
 
 // An exporter with these options, as test_exports.hpp takes it.
@@ -29,14 +30,6 @@ hmesh::GltfOptions quantized() {
     hmesh::GltfOptions options;
     options.quantized_positions = true;
     return options;
-}
-
-template <class T>
-T number_at(const Bytes& bytes, std::size_t offset) {  // the test runs on little-endian machines
-    T value{};
-    if (offset + sizeof value > bytes.size()) FAIL("the file is too short");
-    std::memcpy(&value, bytes.data() + offset, sizeof value);
-    return value;
 }
 
 // The numbers after the n-th occurrence of "key": in the JSON, as many as stand between its brackets, or one.

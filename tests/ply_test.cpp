@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <sstream>
 #include <string>
@@ -17,6 +16,7 @@
 namespace {
 
 using hmesh_test::Bytes;
+using hmesh_test::number_at;
 using hmesh_test::two_faces;
 
 const auto to_sink = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_ply(mesh, sink); };
@@ -50,10 +50,11 @@ PlyFile read_ply(const Bytes& bytes) {
         if (word == "element" && type == "face") faces = std::stoul(name);
         if (word == "property" && type == "uchar") file.color_names.push_back(name);
     }
-    const auto number = [&](auto value) {  // the test runs on little-endian machines
-        in.read(reinterpret_cast<char*>(&value), sizeof value);
+    const auto number = [&](auto zero) {
+        Bytes read(sizeof zero);
+        in.read(reinterpret_cast<char*>(read.data()), sizeof zero);
         REQUIRE(in.good());
-        return value;
+        return number_at<decltype(zero)>(read, 0);
     };
     for (std::size_t v = 0; v < vertices; ++v) {
         file.positions.emplace_back();
@@ -185,11 +186,7 @@ TEST_CASE("with float_colors, shares of the peak are written as they are, below 
     CHECK(text.find("property float red\nproperty float green\nproperty float blue\nelement face") != std::string::npos);
     const std::size_t body = text.find("end_header\n") + 11;
     REQUIRE(bytes.size() == body + 4 * 24 + 2 * 13);
-    const auto number = [&](std::size_t vertex, std::size_t k) {  // the test runs on little-endian machines
-        float value = 0;
-        std::memcpy(&value, bytes.data() + body + 24 * vertex + 4 * k, sizeof value);
-        return value;
-    };
+    const auto number = [&](std::size_t vertex, std::size_t k) { return number_at<float>(bytes, body + 24 * vertex + 4 * k); };
     CHECK(number(0, 1) == 2);
     CHECK(number(0, 3) == 0);
     CHECK(number(0, 4) == 0.5F);
@@ -211,9 +208,7 @@ TEST_CASE("float_colors of a premultiplied mesh are straight, and may be above t
     const std::size_t body = hmesh_test::as_text(bytes).find("end_header\n") + 11;
     REQUIRE(bytes.size() == body + 4 * 28 + 2 * 13);
     const auto number = [&](std::size_t vertex, std::size_t k) {
-        float value = 0;
-        std::memcpy(&value, bytes.data() + body + 28 * vertex + 12 + 4 * k, sizeof value);
-        return value;
+        return number_at<float>(bytes, body + 28 * vertex + 12 + 4 * k);
     };
     CHECK(number(0, 0) == 5);
     CHECK(number(0, 2) == -1);

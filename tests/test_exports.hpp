@@ -9,6 +9,7 @@
 #include <cstring>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "comma_locale.hpp"
@@ -29,6 +30,22 @@ inline Bytes exported(const hmesh::MeshView& mesh, Write write) {
     const auto sink = hmesh::kit::append_to(bytes);
     REQUIRE(write(mesh, sink));
     return bytes;
+}
+
+// A number of 1 to 8 bytes at a place of a file, the lowest byte first, on any machine.
+template <class T>
+T number_at(const Bytes& bytes, std::size_t at) {
+    if (at + sizeof(T) > bytes.size()) FAIL("the file is too short");
+    std::uint64_t bits = 0;
+    for (std::size_t k = 0; k < sizeof(T); ++k) bits |= std::uint64_t{bytes[at + k]} << 8 * k;
+    if constexpr (std::is_integral_v<T>) {
+        return static_cast<T>(bits);
+    } else {
+        const auto word = static_cast<std::conditional_t<sizeof(T) == 8, std::uint64_t, std::uint32_t>>(bits);
+        T value = 0;
+        std::memcpy(&value, &word, sizeof value);
+        return value;
+    }
 }
 
 inline std::string as_text(const Bytes& bytes) { return {bytes.begin(), bytes.end()}; }

@@ -85,10 +85,8 @@ struct Model {
 };
 
 template <class T>
-T number_in(const Bytes& bytes, std::size_t& at) {  // the test runs on little-endian machines
-    T value{};
-    if (at + sizeof value > bytes.size()) FAIL("the file is too short");
-    std::memcpy(&value, bytes.data() + at, sizeof value);
+T number_in(const Bytes& bytes, std::size_t& at) {
+    const T value = number_at<T>(bytes, at);
     at += sizeof value;
     return value;
 }

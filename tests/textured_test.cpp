@@ -17,20 +17,13 @@
 namespace {
 
 using hmesh_test::Bytes;
+using hmesh_test::number_at;
 
 const auto to_obj = [](const hmesh::MeshView& mesh, hmesh::Sink sink) {
     return hmesh::write_textured_obj(mesh, "a b.mtl", sink);
 };
 const auto to_ply = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_textured_ply(mesh, "b.png", sink); };
 const auto to_glb = [](const hmesh::MeshView& mesh, hmesh::Sink sink) { return hmesh::write_textured_glb(mesh, "b.png", sink); };
-
-template <class T>
-T number_at(const Bytes& bytes, std::size_t offset) {  // the test runs on little-endian machines
-    T value{};
-    if (offset + sizeof value > bytes.size()) FAIL("the file is too short");
-    std::memcpy(&value, bytes.data() + offset, sizeof value);
-    return value;
-}
 
 // The first number after "key": and an open bracket, if there is one.
 double number_of(const std::string& json, const std::string& key, int n = 0) {
