@@ -22,8 +22,8 @@ clang19-O0; clang++-19; 23; -O0 -Wno-deprecated-declarations; ; the newest clang
 clang19-O3; clang++-19; 20; -O3 -DNDEBUG -march=native -fno-exceptions -fno-rtti -Wno-deprecated-declarations; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; all that clang++ can do
 single-header; clang++-14; 23; -O0 -fno-exceptions -fno-rtti -DEIGEN_MPL2_ONLY; HMESH_TEST_SINGLE_HEADER=ON HMESH_BUILD_EXAMPLES=OFF; an older clang++, all tests with single_include/hmesh.hpp
 mingw; x86_64-w64-mingw32-g++-posix; 17; -O1; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; Windows: long of 32 bits, another C library, run by Wine
-aarch64; aarch64-linux-gnu-g++; 17; -O2; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; 64-bit ARM: char without a sign, contracted products in all code, run by qemu
-s390x; s390x-linux-gnu-g++; 17; -O2 -DNDEBUG; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; IBM Z: numbers in memory begin with their highest byte, run by qemu
+aarch64; aarch64-linux-gnu-g++; 17; -O2; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF HMESH_TEST_TIMEOUT=3000; 64-bit ARM: char without a sign, contracted products in all code, run by qemu
+s390x; s390x-linux-gnu-g++; 17; -O2 -DNDEBUG; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF HMESH_TEST_TIMEOUT=3000; IBM Z: numbers in memory begin with their highest byte, run by qemu
 emscripten; em++; 17; -O1 -fexceptions -pthread; HMESH_TEST_HEADERS=OFF HMESH_BUILD_EXAMPLES=OFF; WebAssembly: 32 bits, no packet mathematics in Eigen, libc++, run by node
 TABLE
 }
