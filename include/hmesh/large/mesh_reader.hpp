@@ -8,8 +8,9 @@
 /// image, the tiles at work; images have at most kit::max_side px a side, but any number of pixels, up to 2^32.
 ///
 /// How often pixels are read: once for the first points (of float samples once more before that), once for their colours, and
-/// then once for each pass over the tiles, with what stands out of the tiles; 18 times in all for Effort::draft, 28 for fast, 44
-/// for normal, and once or twice more for each sweep of longer annealing. docs/scale.md has more of that.
+/// then once for each pass over the tiles, with what stands out of the tiles; by what the picture is 15 to 18 times in all for
+/// Effort::draft, 22 to 28 for fast, 28 to 44 for normal, and once or twice more for each sweep of longer annealing.
+/// docs/scale.md has more of that.
 #ifndef HMESH_LARGE_MESH_READER_HPP
 #define HMESH_LARGE_MESH_READER_HPP
 
