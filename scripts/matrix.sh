@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Builds all tests with each compiler and kind of flags that hmesh is promised for, runs them, and prints a table.
 #
-# usage: scripts/matrix.sh [--list] [CELL...]        without CELL: all of them, some three hours of one core
+# usage: scripts/matrix.sh [--list] [CELL...]        without CELL: all of them, some four and a half hours of one core
 #        --list: prints the cells and what each is for, and builds nothing
 #
 # A cell is configured, built and tested in build/matrix/CELL, where its logs are; build/matrix/table.md holds the results of
