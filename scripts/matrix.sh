@@ -66,7 +66,7 @@ lone_doctest() {
 
 # run_cell LINE: leaves a line of the Markdown table in build/matrix/rows. Returns 1 if anything failed.
 run_cell() {
-    local line=$1 name compiler std flags options what directory result status=ok option arguments=() TIMEFORMAT='%U %S'
+    local line=$1 name compiler std flags options what directory result status=ok option toolchain="" arguments=() TIMEFORMAT='%U %S'
     name=$(field 1 "$line") compiler=$(field 2 "$line") std=$(field 3 "$line") flags=$(field 4 "$line")
     options=$(field 5 "$line") what=$(field 6 "$line")
     directory=build/matrix/$name
@@ -78,19 +78,21 @@ run_cell() {
     case $flags in *-fno-exceptions*) flags+=" -DDOCTEST_CONFIG_NO_EXCEPTIONS_BUT_WITH_ALL_ASSERTS" ;; esac
     case $compiler in
         *mingw*)
-            arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/mingw-w64.cmake" -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
+            toolchain=mingw-w64
             export WINEPREFIX=$PWD/build/matrix/wine WINEDEBUG=-all DISPLAY=
             ;;
         em++)
-            arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/emscripten.cmake" -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
+            toolchain=emscripten
             export NODE_PATH=/usr/share/nodejs
             ;;
         *-linux-gnu-g++)
-            arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/qemu.cmake" -DHMESH_PROCESSOR="${compiler%%-*}"
-                -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
+            toolchain=qemu
+            arguments+=(-DHMESH_PROCESSOR="${compiler%%-*}")
             ;;
         *) arguments+=(-DCMAKE_CXX_COMPILER="$compiler") ;;
     esac
+    [ -z "$toolchain" ] || arguments+=(-DCMAKE_TOOLCHAIN_FILE="$PWD/cmake/toolchains/$toolchain.cmake"
+        -DHMESH_DOCTEST_DOCTEST_H_DIR="$(lone_doctest)")
     ! has ninja || arguments+=(-G Ninja)
 
     printf '%s: %s\n' "$name" "$what"
