@@ -30,7 +30,7 @@ struct [[nodiscard]] CompactImage {
     std::vector<std::uint8_t> bytes;  ///< the file, for read_compact() or read_bare_compact(); or none
     Mesh mesh;                        ///< what it holds; of a bare one as large as its lattice
     std::uint32_t color_step = 0;     ///< of its colours, see CompactOptions
-    double psnr = 0;                  ///< of the mesh drawn at the image's size and rounded to 8 bits, in dB: hmesh::psnr()
+    double psnr = 0;                  ///< of the mesh drawn at the image's size and rounded to its samples, in dB: hmesh::psnr()
     Status status;                    ///< ok, or why there are no bytes
 };
 
