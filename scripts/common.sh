@@ -42,11 +42,16 @@ done
 include_folders+=(-isystem /opt/homebrew/include)
 export include_words="${include_folders[*]}"  # for shells that xargs starts: a list cannot be exported
 
+# in_large_pages COMMAND...: runs what is made of clang in memory of large pages, as glibc asks Linux for them, which takes a seventh
+# of its time. (g++ takes a twentieth more with them, and what starts often has one to clear each time.)
+in_large_pages() { GLIBC_TUNABLES=glibc.malloc.hugetlb=1 "$@"; }
+export -f in_large_pages
+
 # clang_tidy ARGUMENT...: runs clang-tidy, and prints what it says only if it fails, without how many warnings it kept to itself.
 # For shells that xargs starts, too.
 clang_tidy() {
     local said
-    said=$("${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}" --quiet "$@" 2>&1) && return
+    said=$(in_large_pages "${CLANG_TIDY:-$(command -v clang-tidy-14 || echo clang-tidy)}" --quiet "$@" 2>&1) && return
     printf '%s\n' "$said" | grep -v '^[0-9]* warnings\? generated\|^Suppressed ' >&2
     return 1
 }

@@ -22,7 +22,7 @@ objects=build/web/objects
 package=build/web/npm
 
 # Debian's Emscripten finds the node packages that it is made of there alone.
-emscripten() { NODE_PATH=/usr/share/nodejs em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
+emscripten() { NODE_PATH=/usr/share/nodejs in_large_pages em++ -std=c++17 -msimd128 -fno-exceptions -fno-rtti "$@"; }
 
 # compile NAME FLAG FILE...: files of the binding, of one thread or, by FLAG, of several. What meshes is compiled for speed, but for inlining that costs
 # 8 kB (brotli) and gains 3 %; the rest for size. Conversions to whole numbers that do not trap take less room, and engines more time
