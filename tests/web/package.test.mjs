@@ -379,6 +379,19 @@ test('out of memory is said in a sentence, and the instance serves the next call
     if (tries++ === 0) assert.throws(() => hmesh.meshImage(large), { code: 'out_of_memory' });
   } }));
   assert.ok(outer instanceof HmeshError && /stopped/.test(outer.message), String(outer));
+  // And so it does where calls after that one find memory again: what they make is not taken for the other one's.
+  for (const name of ['onProgress', 'onMesh'])
+    for (const giveBack of [() => hmesh.free(), () => assert.throws(() => hmesh.meshImage(large), { code: 'out_of_memory' })]) {
+      let made;
+      const lost = await errorOf(() => hmesh.meshImage(image, { vertices: 300, [name]() {
+        if (made) return;
+        giveBack();
+        made = hmesh.meshImage(image, { vertices: 50 });
+      } }));
+      assert.ok(lost instanceof HmeshError && /stopped: a callback gave its memory back/.test(lost.message), String(lost));
+      assert.equal(lost.code, 'cancelled');
+      assert.equal(hashOf(made), hashOf(hmesh.meshImage(image, { vertices: 50 })));
+    }
   assert.equal(hmesh.meshImage(image, { vertices: 50 }).vertices, 50);
   const module = await compileHmesh();
   for (const maximumMemory of [0, NaN, 4096, 'much']) assert.match((await errorOf(() => new Hmesh(module, { maximumMemory }))).message, /maximumMemory/);

@@ -114,7 +114,7 @@ export interface WriteOptions {
 export interface RenderOptions {
   /** px, 1 to 65536; the mesh's own by default. */
   width?: number;
-  /** px, 1 to 65536; the mesh's own by default. */
+  /** px, 1 to 65536; the mesh's own by default. At most 2^28 pixels in all. */
   height?: number;
 }
 
@@ -158,7 +158,7 @@ export class Hmesh {
   read(file: Uint8Array, options?: { bare?: boolean }): Mesh;
   /** Draws a mesh pixel for pixel as a GPU does, at any size. */
   render(mesh: MeshArrays, options?: RenderOptions): Picture;
-  /** Gives the memory back; the next call takes it anew. */
+  /** Gives the memory back; the next call takes it anew. Within onProgress or onMesh that ends the call at work. */
   free(): void;
 }
 

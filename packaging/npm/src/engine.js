@@ -151,11 +151,12 @@ export class Hmesh {
       this.#strip(data, image.channels, this.#bytes(at, width * height * channels), channels);
       const weightsAt = weights && this.#put(weights);
       const given = [at, width, height, channels, premultiplied && !isOpaque], recipe = [value, EFFORTS.indexOf(effort), seed];
-      const answer = this.#read(kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
-        : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt));
+      const answerAt = kind === 'bytes' ? wasm.hmesh_compact_image(...given, ...recipe, bare)
+        : wasm.hmesh_mesh_image(...given, TARGETS.indexOf(kind), ...recipe, weightsAt);
       wasm.hmesh_release(at);
       wasm.hmesh_release(weightsAt);
       if (watch.thrown) return 0;
+      const answer = this.#read(answerAt);
       if (answer.faces === 0) refuse(answer.message, CODES[answer.code]);
       const mesh = this.#mesh(answer, answer.code === 0);
       return kind === 'bytes' ? { ...mesh, file: this.#bytes(answer.bytes, answer.size).slice() } : mesh;
@@ -237,26 +238,29 @@ export class Hmesh {
     const memory = this.#shared || new WebAssembly.Memory({ initial: 64, maximum: this.#most });
     const wasm = new WebAssembly.Instance(this.#module, imports(memory, {
       out_of_memory: outOfMemory,
-      progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard((watch) => {
+      progress: (stage, fraction, total, vertices, energy, isMesh) => this.#guard(memory, (watch) => {
         const { onProgress, onMesh } = watch;
         if (onProgress?.({ stage: this.#text(stage), fraction, total, vertices, energy }) === false) return 0;
         if (!isMesh || !onMesh || total < Math.min(1.25 * watch.shown, watch.shown + 0.05) || total === 1) return 1;
         watch.shown = total;
         return 2;
       }),
-      show: (answer) => this.#guard(({ onMesh }) => onMesh(this.#mesh(this.#read(answer), false))),
+      show: (answer) => this.#guard(memory, ({ onMesh }) => onMesh(this.#mesh(this.#read(answer), false))),
     })).exports;
     this.#memory = memory;
     wasm._initialize();
     this.#wasm = { ...LACKING, ...wasm };
   }
 
-  // Calls what is told; what it throws stops the work, and is thrown by the call.
-  #guard(tell) {
+  // Calls what is told by an instance of this memory; what it throws stops the work, and is thrown by the call. Another memory means that a
+  // call within this one gave it back: what the call at work goes on to say lies where nobody looks any more.
+  #guard(memory, tell) {
     const watch = this.#watch;
     if (watch.thrown) return 0;
     try {
-      return tell(watch);
+      const answer = tell(watch);
+      if (memory !== this.#memory) refuse('hmesh stopped: a callback gave its memory back', 'cancelled');
+      return answer;
     } catch (error) {
       watch.thrown = [error];
       return 0;
