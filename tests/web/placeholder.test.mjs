@@ -1,8 +1,8 @@
 // Placeholders: the mesh that the library reads from the same bytes, whatever the bytes; pictures of it; files that are read for them; the
 // command that writes them, and the page that shows them.
 import assert from 'node:assert/strict';
-import { execFile } from 'node:child_process';
-import { chmod, lstat, mkdtemp, readFile, rm, stat, symlink, writeFile } from 'node:fs/promises';
+import { execFile, spawn } from 'node:child_process';
+import { chmod, lstat, mkdtemp, open, readFile, rm, stat, symlink, writeFile } from 'node:fs/promises';
 import { createServer } from 'node:http';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
@@ -344,6 +344,30 @@ test('hmesh placeholder prints images with placeholders, and writes them into pa
       const { code: wrong, stderr } = await run(folder, ...words);
       assert.deepEqual([wrong, stderr.startsWith('hmesh: ')], [2, true], words.join(' '));
     }
+  } finally {
+    await rm(folder, { recursive: true });
+  }
+});
+
+test('hmesh placeholder says that what it prints finds no room, and ends in silence where nobody reads it', async () => {
+  const folder = await mkdtemp(join(tmpdir(), 'hmesh-output-'));
+  try {
+    const image = join(folder, 'a.png'), words = [join(npm, 'command.js'), 'placeholder', '--bytes', '48', image, image];
+    await writeFile(image, makePng(4, 3, 8, 0, new Array(12 + 3).fill(0)));
+    const end = (child) => new Promise((resolve) => {
+      let told = '';
+      child.stderr.on('data', (text) => { told += text; });
+      child.on('close', (code) => resolve([code, told]));
+    });
+    const unread = spawn(process.execPath, words, { stdio: ['ignore', 'pipe', 'pipe'] });
+    unread.stdout.destroy();
+    assert.deepEqual(await end(unread), [1, '']);
+    const full = await open('/dev/full', 'w').catch(() => null);
+    if (!full) return;
+    const [code, told] = await end(spawn(process.execPath, words, { stdio: ['ignore', full.fd, 'pipe'] }));
+    await full.close();
+    assert.equal(code, 1);
+    assert.match(told, /^hmesh: standard output: ENOSPC.*\n$/);
   } finally {
     await rm(folder, { recursive: true });
   }

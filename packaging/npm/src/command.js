@@ -124,6 +124,11 @@ async function run([verb, ...words]) {
   if (isJson) console.log(JSON.stringify(all, null, 2));
 }
 
+// Of what is printed; who reads no further wants no more of it, and no words.
+process.stdout.on('error', ({ code, message }) => {
+  if (code === 'EPIPE') process.exitCode = 1;
+  else complain(`standard output: ${message}`);
+});
 run(process.argv.slice(2)).catch((error) => {
   console.error(`hmesh: ${error.message}`);
   process.exitCode = 2;
