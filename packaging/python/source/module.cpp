@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -166,6 +167,59 @@ struct HeldImage {
 
 // --- a call that takes long ---
 
+// The parts of calls that do without the interpreter's lock. Of an interpreter that ends, Python ends the threads that ask for
+// the lock, and C++ frames on their stacks end the process with them. So when it is about to, what other threads are at is
+// stopped, and waited for.
+class Calls {
+  public:
+    // A part of a call, without the lock. Ends the thread where the interpreter is about to.
+    class Free {
+        struct Counted {
+            Counted() {
+                check();
+                add(1);
+            }
+            ~Counted() { add(-1); }
+        } counted_;
+        const py::gil_scoped_release free_;
+    };
+    // Whether a thread's calls are to stop. The one that ends the interpreter may make more, as in functions of atexit.
+    [[nodiscard]] static bool are_over(std::thread::id thread) {
+        const std::thread::id by = all().ended_by;
+        return by != std::thread::id() && by != thread;
+    }
+    static void check() {
+        if (!are_over(std::this_thread::get_id())) return;
+        PyErr_SetNone(PyExc_SystemExit);  // of which threads say nothing
+        throw py::error_already_set();
+    }
+    static void end() {
+        all().ended_by = std::this_thread::get_id();
+        const py::gil_scoped_release free;
+        std::unique_lock<std::mutex> lock(all().mutex);
+        // A callback may never return, which ends nothing.
+        all().has_left.wait_for(lock, std::chrono::seconds(2), [] { return all().count == 0; });
+    }
+
+  private:
+    struct All {
+        std::atomic<std::thread::id> ended_by{std::thread::id()};
+        std::mutex mutex;
+        std::condition_variable has_left;
+        int count = 0;
+    };
+    // Never destroyed: threads may outlive what main() does.
+    [[nodiscard]] static All& all() {
+        static All* const one = new All;
+        return *one;
+    }
+    static void add(int count) {
+        const std::lock_guard<std::mutex> lock(all().mutex);
+        all().count += count;
+        all().has_left.notify_all();
+    }
+};
+
 // Tells Python how far the work is, and the work whether to go on: from whatever thread it comes, with the interpreter's lock for
 // just that time. What a callback raises, and Ctrl-C, ends the work and is raised again by finish().
 class Listener {
@@ -173,6 +227,7 @@ class Listener {
     explicit Listener(py::object callback) : callback_(std::move(callback)), thread_(std::this_thread::get_id()) {}
 
     bool operator()(const hmesh::ProgressInfo& info) {
+        if (Calls::are_over(thread_)) return false;
         const bool is_caller = std::this_thread::get_id() == thread_;
         const auto now = std::chrono::steady_clock::now();
         const bool looks = is_caller && now - looked_ > std::chrono::milliseconds(20);
@@ -337,11 +392,12 @@ template <class Call>
     progress = hmesh::Progress(listener);
     const auto threads = get<unsigned>(with, "threads");
     auto result = [&] {
-        const py::gil_scoped_release free;
+        const Calls::Free free;
         const Threads pool(threads);
         return call(pool);
     }();
     listener.finish();
+    Calls::check();
     return result;
 }
 
@@ -400,7 +456,7 @@ template <int C>
 [[nodiscard]] py::array draw(const hmesh::MeshView& mesh, const hmesh::RenderOptions& options, unsigned threads) {
     hmesh::RenderResult<C> result;
     {
-        const py::gil_scoped_release free;
+        const Calls::Free free;
         const Threads pool(threads);
         result = hmesh::render<C>(mesh, options, pool);
     }
@@ -438,7 +494,7 @@ py::bytes write(const py::dict& from, const std::string& format, const py::dict&
     const auto put = hmesh::kit::append_to(bytes);
     const hmesh::Sink sink(put);
     const auto run = [&](auto&& body) {
-        const py::gil_scoped_release free;
+        const Calls::Free free;
         return body();
     };
     hmesh::Status status;
@@ -503,7 +559,7 @@ py::dict read_compact(const py::bytes& from, std::int64_t max_vertices, std::int
     if (PyBytes_AsStringAndSize(from.ptr(), &data, &size) != 0) throw py::error_already_set();
     hmesh::CompactMesh read;
     {
-        const py::gil_scoped_release free;
+        const Calls::Free free;
         hmesh::CompactLimits limits;
         limits.max_vertices = max_vertices;
         limits.max_pixels = max_pixels;
@@ -521,6 +577,7 @@ PYBIND11_MODULE(_core, module) {
     module.attr("version") = HMESH_VERSION_STRING;
     module.attr("max_channels") = python::max_channels;
     module.attr("max_compact_channels") = python::max_compact_channels;
+    py::module_::import("atexit").attr("register")(py::cpp_function(&python::Calls::end));
     module.def("mesh_image", &python::mesh_image);
     module.def("compact_image", &python::compact_image);
     module.def("mesh_terrain", &python::mesh_terrain);

@@ -329,6 +329,33 @@ def test_interrupts_end_the_work():
     assert out.stdout == "interrupted 9\n", out.stderr
 
 
+@pytest.mark.parametrize("call", [
+    "hmesh.mesh_image(image, effort='best')", "hmesh.mesh_image(image, effort='best', threads=2, progress=lambda now: None)",
+    "hmesh.compact_image(image, 9000)", "hmesh.mesh_terrain(image[:, :, 0], max_error=90, effort='best')",
+    "[hmesh.mesh_image(image[:40, :40]).render(900, 900) for _ in iter(int, 1)]",
+])
+def test_an_interpreter_ends_while_threads_mesh_that_it_does_not_wait_for(call):
+    code = f"""if True:
+        import atexit, threading, time
+        last = lambda: print(hmesh.mesh_image(image[:9, :9], threads=2, progress=lambda now: None))
+        atexit.register(last)  # before hmesh's own, and so called after it
+        import hmesh
+        import numpy as np
+
+        image = np.random.default_rng(1).integers(0, 256, (900, 900, 3), np.uint8)
+
+        def work():
+            {call}
+            print("never made")
+
+        threading.Thread(target=work, daemon=True).start()
+        time.sleep(0.5)
+    """
+    child = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=120)
+    assert (child.returncode, child.stderr) == (0, "")
+    assert child.stdout == "<hmesh.Mesh of 9 x 9 px: 4 vertices, 2 faces, 3 channels>\n"
+
+
 def test_arrays_outlive_their_mesh_and_nothing_leaks():
     image = picture()
     mesh = hmesh.mesh_image(image, vertices=100, effort="draft")
