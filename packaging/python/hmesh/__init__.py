@@ -250,15 +250,17 @@ class Mesh:
         data = self.tobytes(format, **options)
         if isinstance(target, (str, os.PathLike)):
             _write_whole(os.fspath(target), data)
-        elif isinstance(target, io.RawIOBase):  # takes no more at once than it likes
+        elif isinstance(getattr(target, "file", target), io.RawIOBase):  # as it is, or in what tempfile wraps it in
             rest = memoryview(data)
             while rest:
-                taken = target.write(rest)
+                taken = target.write(rest)  # no more at once than it likes
                 if not taken:
                     raise BlockingIOError(f"the file took {len(data) - len(rest)} of {len(data)} bytes")
                 rest = rest[taken:]
-        else:
+        elif hasattr(target, "write"):
             target.write(data)
+        else:
+            raise TypeError(f"target must be a path or an object with write(), and is of type {type(target).__name__}")
 
     def to_trimesh(self, **options: Any) -> Any:
         """The mesh as a trimesh.Trimesh in the plane z = 0, y up, with vertex colours; needs trimesh."""

@@ -9,6 +9,7 @@ import signal
 import struct
 import subprocess
 import sys
+import tempfile
 import threading
 import types
 import weakref
@@ -671,6 +672,16 @@ def test_files_that_take_less_than_they_are_given():
     with pytest.raises(BlockingIOError):
         mesh.write(full, "ply", ascii=True)
     assert full.got == mesh.tobytes("ply", ascii=True)[:2500]
+    wrapped = Raw(2500)  # as NamedTemporaryFile(buffering=0) wraps its file
+    with pytest.raises(BlockingIOError, match="took 2500 of"):
+        mesh.write(tempfile._TemporaryFileWrapper(wrapped, "none", delete=False), "ply", ascii=True)
+
+
+def test_what_is_no_file_is_refused():
+    mesh = hmesh.mesh_image(picture(), vertices=50, effort="draft")
+    for target in (3, None, b"mesh.ply", []):
+        with pytest.raises(TypeError, match=f"target must be a path .* and is of type {type(target).__name__}"):
+            mesh.write(target, "ply")
 
 
 def test_files_that_give_other_bytes_than_bytes():
