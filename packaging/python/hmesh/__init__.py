@@ -14,7 +14,7 @@ from __future__ import annotations
 import io
 import math
 import os
-import tempfile
+import secrets
 from collections.abc import Callable, Sequence
 from typing import Any, BinaryIO, Literal, NamedTuple, Optional, Union
 
@@ -303,17 +303,15 @@ def _write_whole(path: str, data: bytes) -> None:
             file.write(data)
         return
     path = os.path.realpath(path)
-    handle, part = tempfile.mkstemp(prefix=".hmesh-", suffix=".part", dir=os.path.dirname(path))
+    part = os.path.join(os.path.dirname(path), f".hmesh-{secrets.token_hex(8)}.part")
+    file = open(part, "xb")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with file:
+            try:
+                os.chmod(part, os.stat(path).st_mode & 0o777)
+            except FileNotFoundError:
+                pass  # it has the mode of a new file already: umask() is the whole process's, and asking it sets it
             file.write(data)
-        try:
-            mode = os.stat(path).st_mode & 0o777
-        except FileNotFoundError:
-            mask = os.umask(0)
-            os.umask(mask)
-            mode = 0o666 & ~mask
-        os.chmod(part, mode)
         os.replace(part, path)
     except BaseException:
         os.unlink(part)

@@ -677,6 +677,22 @@ def test_files_that_take_less_than_they_are_given():
         mesh.write(tempfile._TemporaryFileWrapper(wrapped, "none", delete=False), "ply", ascii=True)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="modes of files")
+def test_writing_leaves_the_mask_of_new_files_alone(tmp_path, monkeypatch):
+    mesh = hmesh.mesh_image(picture(), vertices=50, effort="draft")
+    old = os.umask(0o027)
+    try:
+        with monkeypatch.context() as patch:
+            patch.delattr(os, "umask")  # the process's, which another thread may be asking
+            mesh.write(tmp_path / "new.ply")
+            (tmp_path / "old.ply").write_bytes(b"")
+            (tmp_path / "old.ply").chmod(0o604)
+            mesh.write(tmp_path / "old.ply")
+        assert [(tmp_path / name).stat().st_mode & 0o777 for name in ("new.ply", "old.ply")] == [0o640, 0o604]
+    finally:
+        os.umask(old)
+
+
 def test_what_is_no_file_is_refused():
     mesh = hmesh.mesh_image(picture(), vertices=50, effort="draft")
     for target in (3, None, b"mesh.ply", []):
