@@ -39,7 +39,7 @@ _AXES = ("none", "x", "y", "xy")
 _GRIDS = ("squares", "points")
 _COLORS = ("optimal", "sampled")
 _SVG_KINDS = ("gradient", "exact", "flat")
-_HMC_COLORS = {8: 0, 16: 1, 32: 2}
+_HMC_COLORS = (8, 16, 32)
 
 
 def _number_of(name: str, words: Sequence[str], word: object) -> int:
@@ -163,8 +163,8 @@ class Mesh:
             "height": self.height,
             "peak": self.peak,
             "premultiplied": self.premultiplied,
-            "periodic": _AXES.index(self.periodic),
-            "samples": _GRIDS.index(self.samples),
+            "periodic": _number_of("periodic", _AXES, self.periodic),
+            "samples": _number_of("samples", _GRIDS, self.samples),
         }
 
     def __getstate__(self) -> tuple[Any, ...]:
@@ -211,8 +211,7 @@ class Mesh:
 
     def tobytes(self, format: str, **options: Any) -> bytes:
         """The bytes of a file of the mesh: write() says which formats and options there are."""
-        if format not in _OPTIONS:
-            raise ValueError(f"format must be one of {', '.join(_OPTIONS)}, and is {format!r}")
+        _number_of("format", tuple(_OPTIONS), format)
         given = dict(_OPTIONS[format])
         for name, value in options.items():
             if name not in given:
@@ -224,7 +223,7 @@ class Mesh:
         if format == "hmc":
             if given["color_bits"] not in _HMC_COLORS:
                 raise ValueError(f"color_bits must be 8, 16 or 32, and is {given['color_bits']!r}")
-            given["colors"] = _HMC_COLORS[given["color_bits"]]
+            given["colors"] = _HMC_COLORS.index(given["color_bits"])
         return _core.write(self._core(), format, given)
 
     def write(self, target: Union[str, os.PathLike[str], BinaryIO], format: Optional[str] = None, **options: Any) -> None:
@@ -473,7 +472,7 @@ def mesh_image(
         seed=_whole("seed", seed, 0, 2**64 - 1),
         tile=_whole("tile", tile, 0, 2**31 - 1),
         weights=pixel_weights,
-        channel_weights=tuple(_real("channel_weights", weight) for weight in channel_weights),
+        channel_weights=_reals("channel_weights", channel_weights),
         colors=None if colors is None else _number_of("colors", _COLORS, colors),
         round_colors=bool(round_colors),
         premultiplied=bool(premultiplied),
@@ -573,11 +572,22 @@ def mesh_terrain(
 
 
 def _real(name: str, value: Any) -> float:
-    """A number as a float."""
+    """A number as a float, which text is not, though float() reads it."""
     try:
-        return float(value)
+        if not isinstance(value, (str, bytes, bytearray)):
+            return float(value)
     except (TypeError, ValueError, OverflowError):
-        raise TypeError(f"{name} must be a number that a float holds, and is {_words(value)}") from None
+        pass
+    raise TypeError(f"{name} must be a number that a float holds, and is {_words(value)}")
+
+
+def _reals(name: str, values: Any) -> tuple[float, ...]:
+    """One float after another."""
+    try:
+        each = iter(values)
+    except TypeError:
+        raise TypeError(f"{name} must be numbers, one after another, and are {_words(values)}") from None
+    return tuple(_real(name, value) for value in each)
 
 
 def _words(value: Any) -> str:
@@ -616,6 +626,8 @@ def psnr(mesh: Mesh, image: Any) -> float:
     """dB: 10 log10(peak^2 / MSE) of the mesh drawn at its own size, neither rounded nor clamped, against the image's stored
     values, the MSE being the mean over pixels and channels; infinity for no error. Where the mesh is premultiplied, so is the
     image first. Samples that are not finite raise ValueError."""
+    if not isinstance(mesh, Mesh):
+        raise TypeError(f"mesh must be a Mesh, and is of type {type(mesh).__name__}")
     array = _image(image, 16)
     if array.shape != (mesh.height, mesh.width, mesh.channels):
         raise ValueError(f"the image is of shape {array.shape}, and the mesh is of one of "

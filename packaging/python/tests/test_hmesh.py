@@ -614,6 +614,13 @@ def test_options_of_a_wrong_type_have_a_sentence():
         ("channel_weights must be a number", lambda: hmesh.mesh_image(image, channel_weights=[1, 10**400, 1])),
         ("max_error must be a number", lambda: hmesh.mesh_terrain(image[:, :, 0], max_error=10**400)),
         ("weights must not all be 0", lambda: hmesh.mesh_image(image, weights=np.full((80, 120), 1e-300))),  # as floats
+        ("channel_weights must be numbers, one after another, and are None", lambda: hmesh.mesh_image(image, channel_weights=None)),
+        ("channel_weights must be a number .* and is '1'", lambda: hmesh.mesh_image(image, channel_weights="123")),
+        ("percent must be a number that a float holds, and is '5'", lambda: hmesh.mesh_image(image, percent="5")),
+        ("vertices must be a number that a float holds, and is b'9'", lambda: hmesh.mesh_image(image, vertices=b"9")),
+        (r"format must be one of ply, .* and is \['ply'\]", lambda: mesh.tobytes(["ply"])),
+        (r"color_bits must be 8, 16 or 32, and is \[8\]", lambda: mesh.tobytes("hmc", color_bits=[8])),
+        ("mesh must be a Mesh, and is of type ndarray", lambda: hmesh.psnr(image, image)),
         ("start must be a Mesh, and is of type dict", lambda: hmesh.mesh_image(image, start={})),
         ("source must be .* and source is of type list", lambda: hmesh.read([1])),
         (r"source must be .* and source.read\(\) is of type str", lambda: hmesh.read(io.StringIO("text"))),
@@ -644,6 +651,11 @@ def test_a_mesh_takes_no_number_for_another():
             other.render()
     with pytest.raises(TypeError, match="faces must be numbers"):
         make(mesh.faces.astype(object))
+    for name, words in (("periodic", "none, x, y, xy"), ("samples", "squares, points")):
+        other = make()
+        setattr(other, name, "z")
+        with pytest.raises(ValueError, match=f"{name} must be one of {words}, and is 'z'"):
+            other.render()
     for name, value in (("width", 2.5), ("height", math.inf), ("peak", 10**400)):
         with pytest.raises((TypeError, ValueError), match=f"{name} must be a"):
             make(**{name: value})
