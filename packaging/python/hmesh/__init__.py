@@ -194,7 +194,7 @@ class Mesh:
     ) -> np.ndarray:
         """The mesh drawn, (height, width, channels), as a GPU draws it.
 
-        width, height: px of the picture, 1 to 65536; by default those of the mesh
+        width, height: px of the picture, 1 to 65536 and at most 2^28 in all; by default those of the mesh
         linear: interpolates linear light between sRGB colours rather than the stored values
         dtype: float32 for stored values as they are; uint8 or uint16 for them scaled from `peak` to the type's largest, rounded
             and held to its range
@@ -207,7 +207,8 @@ class Mesh:
         if dtype not in (np.uint8, np.uint16):
             raise TypeError(f"dtype must be float32, uint8 or uint16, and is {dtype}")
         scale = np.iinfo(dtype).max / self.peak
-        return np.clip(np.floor(picture * np.float64(scale) + 0.5), 0, np.iinfo(dtype).max).astype(dtype)
+        stored = picture.astype(np.float64)  # NumPy 1 would count by float32, which rounds some otherwise
+        return np.clip(np.floor(stored * scale + 0.5), 0, np.iinfo(dtype).max).astype(dtype)
 
     def tobytes(self, format: str, **options: Any) -> bytes:
         """The bytes of a file of the mesh: write() says which formats and options there are."""

@@ -556,6 +556,14 @@ def test_pictures_of_other_sizes_and_types():
     assert eight.dtype == np.uint8 and np.abs(eight * 257.0 - sixteen).max() <= 129
     with pytest.raises(TypeError, match="float32, uint8 or uint16"):
         mesh.render(dtype=np.int32)
+    with pytest.raises(ValueError, match="too many pixels"):
+        mesh.render(65536, 4097)  # 2^28 and more
+
+
+def test_pictures_are_rounded_as_their_numbers_are():
+    mesh = hmesh.mesh_image(picture(300, 200, dtype=np.float32), vertices=300, effort="draft")
+    exact = np.floor(mesh.render().astype(np.float64) * 65535 + 0.5)  # as floats, some would be on the other side of a half
+    assert np.array_equal(mesh.render(dtype=np.uint16), np.clip(exact, 0, 65535))
 
 
 def test_psnr_of_premultiplied_meshes_is_of_the_premultiplied_image():
