@@ -266,6 +266,8 @@ class Mesh:
         """The mesh as a trimesh.Trimesh in the plane z = 0, y up, with vertex colours; needs trimesh."""
         import trimesh
 
+        if self.channels > 4:
+            raise ValueError(f"trimesh's colours have 1 to 4 channels, and the mesh has {self.channels}")
         vertices = np.zeros((len(self.positions), 3))
         vertices[:, 0] = self.positions[:, 0]
         vertices[:, 1] = self.height - (self.samples == "points") - self.positions[:, 1]

@@ -748,6 +748,18 @@ def test_to_trimesh_agrees_with_the_files(monkeypatch):
         assert np.array_equal(other.vertex_colors[:, 3:], rows[:, 6:])
 
 
+def test_to_trimesh_takes_no_fifth_channel_for_nothing(monkeypatch):
+    monkeypatch.setitem(sys.modules, "trimesh", types.SimpleNamespace(Trimesh=Trimesh))
+    mesh = hmesh.mesh_image(picture(), vertices=60, effort="draft")
+    for channels in (4, 5):
+        other = hmesh.Mesh(mesh.positions, np.full((60, channels), 7), mesh.faces, width=120, height=80)
+        if channels == 4:
+            assert (other.to_trimesh().vertex_colors == 7).all()
+            continue
+        with pytest.raises(ValueError, match="1 to 4 channels, and the mesh has 5"):  # of which the fourth would be alpha
+            other.to_trimesh()
+
+
 def test_to_trimesh():
     trimesh = pytest.importorskip("trimesh")
     mesh = hmesh.mesh_image(picture(), vertices=100)
