@@ -394,6 +394,7 @@ test('hmesh placeholder changes nothing of a page but its images, whatever the p
       '<base href="https://x.example/"><img src=a.png>', '<base href="x/../"><base href="https://x.example/"><img^ src=a.png>', '<base href="data:x"><img src=a.png>',
       '<base href="sub%20folder/b.html?q=/"><img^ src=../a.png>', '<script>x = "</script ><img^ src=a.png>"', '<imgs src=a.png><img-x src=a.png>',
       `<img^ alt="a > b 'c" src="./a.png?x=1#y">`, '<img^ src=" a.pn\ng\t"><img^ src="sub&#47;..&#x2F;&#97;.png"><img^ src="&#xE4;.png">',
+      '<?php "<img src=a.png>" ?><!x <img src=a.png></ <img src=a.png></><img^ src=a.png>',
       '<base href=" sub/\n"><img^ src="../a.png">', '<img src="&#1114112;.png#"><img src="&nope;">', '', '<', '<img', '<img src="a.png',
     ];
     const files = pages.map((_, k) => `${k}.html`);

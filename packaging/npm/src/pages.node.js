@@ -23,7 +23,8 @@ function decode(letters) {
 // The tags that begin something: their names, their attributes (the first of a name counts), and where another attribute can be put, which
 // is behind the name. What is white is what HTML calls so, and no letter of latin1.
 export function* tagsOf(page) {
-  const tag = /<!--(?:-?>|[^]*?(?:--!?>|$))|<(\/?[a-z][^\t\n\f\r />]*)/gi;
+  // Comments, what is taken for one, such as <?xml?>, which ends with the next >, and tags.
+  const tag = /<!--(?:-?>|[^]*?(?:--!?>|$))|<(?:[!?]|\/[^a-z>])[^>]*|<(\/?[a-z][^\t\n\f\r />]*)/gi;
   const attribute = /[\t\n\f\r /]*(?:(>)|([^\t\n\f\r />][^\t\n\f\r />=]*)(?:[\t\n\f\r ]*=[\t\n\f\r ]*("[^"]*"|'[^']*'|[^\t\n\f\r >"'][^\t\n\f\r >]*))?)/y;
   for (let begun; (begun = tag.exec(page));) {
     if (!begun[1]) continue;
