@@ -121,9 +121,9 @@ class Mesh:
         periodic: Axes = "none",
         samples: SampleGrid = "squares",
     ) -> None:
-        self.positions = _packed(positions, np.float32)
-        self.colors = _packed(colors, np.float32)
-        self.faces = _indices(faces)
+        self.positions = _packed(_unmasked("positions", positions), np.float32)
+        self.colors = _packed(_unmasked("colors", colors), np.float32)
+        self.faces = _indices(_unmasked("faces", faces))
         self.width = _whole("width", width, -(2**63), 2**63 - 1)
         self.height = _whole("height", height, -(2**63), 2**63 - 1)
         self.peak = _real("peak", peak)
@@ -156,9 +156,9 @@ class Mesh:
     def _core(self) -> dict[str, Any]:
         self._check()
         return {
-            "positions": _packed(self.positions, np.float32),
-            "colors": _packed(self.colors, np.float32),
-            "faces": _indices(self.faces),
+            "positions": _packed(_unmasked("positions", self.positions), np.float32),
+            "colors": _packed(_unmasked("colors", self.colors), np.float32),
+            "faces": _indices(_unmasked("faces", self.faces)),
             "width": self.width,
             "height": self.height,
             "peak": self.peak,
@@ -326,6 +326,13 @@ def _threads(threads: int) -> int:
     return int(threads)
 
 
+def _unmasked(name: str, values: Any) -> Any:
+    """The values, which np.asarray() would take as they are behind a mask."""
+    if np.ma.is_masked(values):
+        raise TypeError(f"{name} must be numbers, and some are masked")
+    return values
+
+
 def _packed(array: Any, dtype: Any = None) -> np.ndarray:
     """An array whose numbers are one after another and aligned, which np.ascontiguousarray() does not see to."""
     return np.require(array, dtype, ("C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"))
@@ -377,9 +384,7 @@ def _map(name: str, values: Any, dtype: Any, shape: tuple[int, ...]) -> Optional
     """One number for each pixel, or None."""
     if values is None:
         return None
-    if np.ma.is_masked(values):
-        raise TypeError(f"{name} must be numbers, and some are masked")
-    array = np.asarray(values)
+    array = np.asarray(_unmasked(name, values))
     if array.dtype.kind not in "buif":
         raise TypeError(f"{name} must be numbers, and are of {array.dtype}")
     if array.shape != shape[:2]:

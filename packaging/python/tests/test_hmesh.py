@@ -592,6 +592,17 @@ def test_masks_of_arrays_are_refused_where_they_mask_anything():
         hmesh.mesh_terrain(image[:, :, 0], max_error=2, mask=np.ma.array(np.ones((20, 30)), mask=mask))
     with pytest.raises(TypeError, match="no masked samples"):
         hmesh.mesh_terrain(np.ma.array(image[:, :, 0], mask=mask), max_error=2)
+    mesh = hmesh.mesh_image(image, vertices=50, effort="draft")
+    for name in ("positions", "colors", "faces"):
+        arrays = {one: np.ma.array(getattr(mesh, one)) for one in ("positions", "colors", "faces")}
+        assert same(hmesh.Mesh(**arrays, width=30, height=20), mesh)
+        arrays[name][3, 1] = np.ma.masked
+        with pytest.raises(TypeError, match=f"{name} must be numbers, and some are masked"):
+            hmesh.Mesh(**arrays, width=30, height=20)
+        other = pickle.loads(pickle.dumps(mesh))
+        setattr(other, name, arrays[name])
+        with pytest.raises(TypeError, match=f"{name} must be numbers, and some are masked"):
+            other.render()
 
 
 def test_options_of_a_wrong_type_have_a_sentence():
