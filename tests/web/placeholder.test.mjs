@@ -325,6 +325,8 @@ test('hmesh placeholder prints images with placeholders, and writes them into pa
     }
     const json = JSON.parse((await run(folder, 'placeholder', '--json', '--bytes=100', 'turned.jpg')).stdout);
     assert.deepEqual(json, { 'turned.jpg': { width: 32, height: 48, mesh: lines[1][3] } });
+    await writeFile(join(folder, '__proto__'), Buffer.from(jpegs.baseline, 'base64'));
+    assert.match((await run(folder, 'placeholder', '--json', '__proto__')).stdout, /"__proto__": \{\s*"width": 32/);
 
     const page = '<!-- <img src="a b.png"> --><IMG alt="a > b" src=\'a%20b.png?1\'><script>"<img src=turned.jpg>"</script>\n'
       + '<img height=9 src=turned.jpg /><img src="https://x.example/turned.jpg"><img src="a b.png" data-mesh="x"><img src="/a.png"><img src="x.svg">';
@@ -340,6 +342,9 @@ test('hmesh placeholder prints images with placeholders, and writes them into pa
     assert.equal(bad.code, 1);
     assert.match(bad.stderr, /no\.png: ENOENT.*\n.*other\.webp: it is a WebP file: npm install sharp/);
     assert.match(bad.stdout, /turned/);
+    const endless = await run(folder, 'placeholder', '/dev/zero', 'turned.jpg');
+    assert.deepEqual([endless.code, /turned/.test(endless.stdout)], [1, true]);
+    if (process.platform !== 'win32') assert.equal(endless.stderr, 'hmesh: /dev/zero: it is a device, not a file\n');
     for (const words of [[], ['placeholder'], ['paint'], ['placeholder', '--bytes', '47', 'x'], ['placeholder', '--bytes'], ['placeholder', '--x', 'y']]) {
       const { code: wrong, stderr } = await run(folder, ...words);
       assert.deepEqual([wrong, stderr.startsWith('hmesh: ')], [2, true], words.join(' '));

@@ -100,7 +100,8 @@ async function run([verb, ...words]) {
   if (verb === '--version') return console.log(JSON.parse(await readFile(new URL('package.json', import.meta.url), 'utf8')).version);
   if (verb === '--help' || words.includes('--help')) return console.log(USAGE);
   if (verb !== 'placeholder') refuse(`${verb ? `there is no command ${verb}` : 'no command was given'}\n${USAGE}`);
-  const { bytes, files, isJson } = parse(words), hmesh = new Hmesh(await compileCompact()), known = new Map(), all = {};
+  const { bytes, files, isJson } = parse(words), hmesh = new Hmesh(await compileCompact()), known = new Map();
+  const all = Object.create(null);  // a file may be named __proto__
   const make = async (file) => {
     const name = resolve(file);
     if (!known.has(name)) {

@@ -1,6 +1,6 @@
 // Reads an image file for the command: PNG and JPEG by this package, others by sharp where the project has that. Small is enough for a
 // placeholder, so that what is returned is shrunk.
-import { readFile } from 'node:fs/promises';
+import { readFile, stat } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { pathToFileURL } from 'node:url';
 import { SIDE } from './encoder.js';
@@ -24,6 +24,8 @@ async function readBySharp(bytes, kind) {
 
 // {data, width, height} of RGBA with sides of SIDE px at most, and `full`, the sides of the file's picture.
 export async function readImage(file) {
+  const kind = await stat(file);
+  if (kind.isCharacterDevice() || kind.isBlockDevice()) throw new Error('it is a device, not a file');  // as /dev/zero, which never ends
   const bytes = await readFile(file), begins = (text, at = 0) => bytes.toString('latin1', at, at + text.length) === text;
   if (bytes.length === 0) throw new Error('the file is empty');
   const picture = begins('\x89PNG\r\n\x1a\n') ? readPng(bytes)
