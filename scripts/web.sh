@@ -42,15 +42,16 @@ compile() {
 
 # link NAME OBJECT... FLAG...: no JavaScript of Emscripten's, hence no main(), a memory that ours brings, imports that it has, and a stack of
 # a size that is said. Not -Oz, whose exp() and the like are slower; Emscripten's small malloc(), which is as fast here. Nothing lies in
-# the first 1024 bytes, which lets a constant offset be a part of a load (0.2 % of the bytes).
+# the first 1024 bytes, which lets a constant offset be a part of a load (0.2 % of the bytes). Code made flat and its branches found
+# anew, twice, is 0.7 % smaller and as fast.
 link() {
     local name=$1
     shift
     emscripten -Os "$@" -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY -sMALLOC=emmalloc \
         -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
         -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 &&
-        wasm-opt --low-memory-unused -Oz --rse -Oz --enable-simd --enable-bulk-memory --enable-sign-ext \
-            --enable-nontrapping-float-to-int --enable-threads "$package/$name.wasm" -o "$package/$name.wasm"
+        wasm-opt --low-memory-unused -Oz --flatten --rereloop -Oz --rse -Oz --flatten --rereloop -Oz --rse -Oz --enable-simd \
+            --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-threads "$package/$name.wasm" -o "$package/$name.wasm"
 }
 
 # Emscripten's own threads want its JavaScript (3.1.6 refuses them with STANDALONE_WASM). Ours share a memory with the libraries of
