@@ -221,6 +221,10 @@ class ArrayMemory {
 
 }  // namespace detail
 
+/// Says of elements that they are not initialised: they are to be written before they are read.
+struct Raw {};
+inline constexpr Raw raw{};  ///< the only value of Raw
+
 /// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
 /// erase() takes the last elements only, and that insert() takes none of the array's own.
 template <class T>
@@ -237,6 +241,8 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
     Array() noexcept = default;
     /// n elements T().
     explicit Array(std::size_t n) { resize(n); }
+    /// n elements that are not initialised.
+    Array(std::size_t n, Raw) { resize_raw(n); }
     /// n times a value.
     Array(std::size_t n, const T& value) { resize(n, value); }
     /// These values.
@@ -6191,6 +6197,15 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
 }
 
+/// The same for what must be done in order: calls body(begin, end) for one range after the other. Where there are several, each
+/// is a call of the executor, which may then ask whether to go on (PollingExecutor).
+HMESH_COLD inline void for_each_in_turn(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
+                                        FunctionRef<void(std::size_t begin, std::size_t end)> body) {
+    if (n <= grain) return body(0, n);
+    for (std::size_t begin = 0; begin < n; begin += grain)
+        parallel_for(1, [&](std::size_t) { body(begin, std::min(n, begin + grain)); });
+}
+
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
 [[nodiscard]] inline double ordered_sum(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
                                         FunctionRef<double(std::size_t begin, std::size_t end)> body) {
@@ -6335,6 +6350,12 @@ class Image {
     /// An image of width x height pixels, both >= 0, with all samples T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
+    /// The same without values: where several threads write the samples the system hands out their memory by several, too.
+    Image(int width, int height, kit::Raw) : width_(width), height_(height) {
+        const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C;
+        if constexpr (std::is_trivially_copyable_v<T>) samples_.resize_raw(size);
+        else samples_.resize(size);
+    }
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px
     [[nodiscard]] int height() const noexcept { return height_; }  ///< px
@@ -8500,11 +8521,13 @@ class ImageSource {
         else look({*this});
     }
     /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
-    /// than 2 px away. In any order, on this thread.
+    /// than 2 px away. In any order; of a source that is_read() on this thread, of others 4096 are a piece of work.
     void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
-               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look, const ParallelFor& parallel_for = {}) const {
         if (is_read()) return calls_.visit(*this, count, at, look);
-        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+        for_each_chunk(parallel_for, count, 4096, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) look({*this}, k);
+        });
     }
 
     /// How stored values became the samples; null: they are the samples.
@@ -8815,7 +8838,7 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
     using Traits = PixelTraits<T>;
-    Image<T, C> out(view.width, view.height);
+    Image<T, C> out(view.width, view.height, raw);
     for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const T* from = view.row(static_cast<int>(y));
@@ -9706,8 +9729,8 @@ class HalfedgeMesh {
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
     /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
-    /// what assign() takes. O(n).
-    [[nodiscard]] HMESH_COLD Array<Triangle> triangles() const;
+    /// what assign() takes. O(n), most of it by parallel_for.
+    [[nodiscard]] HMESH_COLD Array<Triangle> triangles(const ParallelFor& parallel_for = {}) const;
     /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge
@@ -10105,16 +10128,28 @@ bool HalfedgeMesh::do_turns_meet_all() const {
     return met == halfedges_.size();
 }
 
-inline Array<Triangle> HalfedgeMesh::triangles() const {
-    Array<std::uint32_t> numbers(vertex_slots(), 0);
-    std::uint32_t count = 0;
-    for (const Vertex v : vertices()) numbers[v.index()] = count++;
-    Array<Triangle> out;
-    out.reserve(face_count());
-    for (const Face f : faces()) {
-        const std::array<Vertex, 3> v = vertices(f);
-        out.push_back({numbers[v[0].index()], numbers[v[1].index()], numbers[v[2].index()]});
+inline Array<Triangle> HalfedgeMesh::triangles(const ParallelFor& parallel_for) const {
+    Array<std::uint32_t> numbers;  // none: they are indices
+    if (vertex_count() < vertex_slots()) {
+        numbers.resize(vertex_slots());
+        std::uint32_t count = 0;
+        for (const Vertex v : vertices()) numbers[v.index()] = count++;
     }
+    Array<Triangle> out(face_slots(), raw);
+    for_each_chunk(parallel_for, out.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            if (is_deleted(Face(f))) continue;
+            const std::array<Vertex, 3> corners = vertices(Face(f));
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t v = corners[k].index();
+                out[f][k] = numbers.empty() ? static_cast<std::uint32_t>(v) : numbers[v];
+            }
+        }
+    });
+    if (face_count() == face_slots()) return out;
+    std::size_t kept = 0;
+    for (const Face f : faces()) out[kept++] = out[f.index()];
+    out.resize(kept);
     return out;
 }
 
@@ -13420,9 +13455,10 @@ template <int C>
     return mesh;
 }
 
-/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity.
+/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity. Done in order, as the
+/// arrays grow; the executor is given a turn every few ms.
 template <int C>
-[[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak, const ParallelFor& parallel_for = {}) {
     Mesh to;
     to.channels = C;
     to.width = from.width;
@@ -13431,13 +13467,20 @@ template <int C>
     to.samples = from.samples;
     to.positions.reserve(2 * from.vertex_count());
     to.colors.reserve(C * from.vertex_count());
+    to.faces.reserve(from.faces.size());
     const double shift = inset(from.samples);
-    for (std::size_t v = 0; v < from.vertex_count(); ++v) {
-        to.positions.push_back(static_cast<float>(from.positions[v].x - shift));
-        to.positions.push_back(static_cast<float>(from.positions[v].y - shift));
-        for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
-    }
-    to.faces = from.faces;
+    for_each_in_turn(parallel_for, from.vertex_count(), 1U << 17, [&](std::size_t begin, std::size_t end) {
+        to.positions.resize(2 * end);
+        to.colors.resize(C * end);
+        for (std::size_t v = begin; v < end; ++v) {
+            to.positions[2 * v] = static_cast<float>(from.positions[v].x - shift);
+            to.positions[2 * v + 1] = static_cast<float>(from.positions[v].y - shift);
+            for (std::size_t c = 0; c < C; ++c) to.colors[C * v + c] = static_cast<float>(from.colors[v][static_cast<int>(c)]);
+        }
+    });
+    for_each_in_turn(parallel_for, from.faces.size(), 1U << 18, [&](std::size_t begin, std::size_t end) {
+        to.faces.insert(to.faces.end(), from.faces.begin() + begin, from.faces.begin() + end);
+    });
     to.periodic = from.periodic;
     return to;
 }
@@ -13765,27 +13808,34 @@ struct Cut {
     cut.face_count.resize(n);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
-    for (std::size_t t = 0; t < faces.size(); ++t) {
-        ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : faces[t]) {
-            ++cut.face_count[v];
-            cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
+    constexpr std::size_t at_once = std::size_t{1} << 18;  // some ms
+    for_each_in_turn(parallel_for, faces.size(), at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            ++cut.first[tile[t] + 1];
+            for (const std::uint32_t v : faces[t]) {
+                ++cut.face_count[v];
+                cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
+            }
         }
-    }
+    });
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.face_count[roots[v]] = static_cast<std::uint16_t>(cut.face_count[roots[v]] + cut.face_count[v]);
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
     cut.faces.resize_raw(faces.size());
     Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
-    for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    for_each_in_turn(parallel_for, faces.size(), at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    });
     cut.number.resize_raw(n);
     cut.free_count.resize(tiling.size());
-    for (std::size_t v = 0; v < n; ++v) {
-        const bool is_locked = cut.owner[v] == Cut::locked;
-        cut.number[v] = static_cast<std::uint32_t>(is_locked ? cut.locked_vertices.size() : cut.free_count[cut.owner[v]]++);
-        if (is_locked) cut.locked_vertices.push_back(static_cast<std::uint32_t>(v));
-    }
+    for_each_in_turn(parallel_for, n, at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const bool is_locked = cut.owner[v] == Cut::locked;
+            cut.number[v] = static_cast<std::uint32_t>(is_locked ? cut.locked_vertices.size() : cut.free_count[cut.owner[v]]++);
+            if (is_locked) cut.locked_vertices.push_back(static_cast<std::uint32_t>(v));
+        }
+    });
     return cut;
 }
 
@@ -14615,6 +14665,7 @@ class TiledMesh {
                 sum.add(results[k].first_energy, results[k].energy);
                 continue;
             }
+            (void)progress_->poll();
             results[k] = detail::unchanged(indexed_, cut_, k);
             sum.leave_out();
         }
@@ -15061,11 +15112,13 @@ HMESH_NEVER_INLINE inline void rank_row(float* densities, int begin, int end, in
 template <int C>
 [[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
                                                        FunctionRef<bool()> go_on = {}) {
-    Image<float, 1> density(source.width(), source.height());
+    Image<float, 1> density(source.width(), source.height(), raw);
     const double all = ordered_sum(parallel_for, static_cast<std::size_t>(source.height()), detail::density_band,
                                    [&](std::size_t begin, std::size_t end) {
-                                       if (go_on && !go_on()) return 0.0;
-                                       return detail::find_density(source, begin, end, density.pixel(0, static_cast<int>(begin)));
+                                       float* const to = density.pixel(0, static_cast<int>(begin));
+                                       if (!go_on || go_on()) return detail::find_density(source, begin, end, to);
+                                       std::fill(to, density.pixel(0, static_cast<int>(end)), 0.0F);
+                                       return 0.0;
                                    });
     const float least = detail::even_density(all, source.pixels());
     for_each_chunk(parallel_for, density.size(), 65536, [&](std::size_t begin, std::size_t end) {
@@ -15144,7 +15197,7 @@ using RankBins = std::array<std::uint32_t, 1U << (31 - rank_bin_shift)>;
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    PointCandidates candidates{Array<std::uint32_t>(first.back()), Array<std::uint32_t>(first.back())};
+    PointCandidates candidates{Array<std::uint32_t>(first.back(), raw), Array<std::uint32_t>(first.back(), raw)};
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         const std::size_t last = first[begin / band + 1];
@@ -15518,29 +15571,35 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 /// delaunay.topology(), without the colours, which take_colors() finds: the triangulation is as large as all of them, and may be
 /// gone by then. The energy is not computed: ImageMesh::assign() and TiledMesh::measure() do that. O(n).
 template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> uncolored_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> uncolored_mesh(const ImageSource<C>& source, const Delaunay& delaunay,
+                                                       const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
     HMESH_ASSERT(delaunay.samples() == source.samples());
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
     mesh.samples = source.samples();
-    mesh.positions.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) mesh.positions.push_back(delaunay.position(v));
-    mesh.faces = delaunay.topology().triangles();
+    const HalfedgeMesh& topology = delaunay.topology();
+    mesh.positions.reserve(topology.vertex_count());
+    for_each_in_turn(parallel_for, topology.vertex_slots(), 1U << 17, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            if (!topology.is_deleted(Vertex(v))) mesh.positions.push_back(delaunay.position(Vertex(v)));
+    });
+    mesh.faces = topology.triangles(parallel_for);
     return mesh;
 }
 /// Gives each vertex the colour of the pixel under it. O(n).
 template <int C>
-HMESH_COLD void take_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source) {
-    mesh.colors.resize(mesh.positions.size(), Color<C>::zero());
+HMESH_COLD void take_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source, const ParallelFor& parallel_for = {}) {
+    mesh.colors.resize_raw(mesh.positions.size());
     mesh.dirty.resize(mesh.positions.size(), 1);
     source.visit(
         mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
         [&](const SourceWindow<C>& window, std::size_t k) {
             const Point p = mesh.positions[k];
             mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
-        });
+        },
+        parallel_for);
 }
 /// Both.
 template <int C>
@@ -15892,10 +15951,10 @@ class AnnealedRun {
             for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = uncolored_mesh(source, delaunay);
+            tiled_->indexed() = uncolored_mesh(source, delaunay, tiled_->parallel_for());
         }
         (void)progress().poll();
-        take_colors(tiled_->indexed(), source);
+        take_colors(tiled_->indexed(), source, tiled_->parallel_for());
         return true;
     }
 
@@ -17603,7 +17662,7 @@ template <int C>
                                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
-    result.mesh = to_mesh(mesh, source.peak());
+    result.mesh = to_mesh(mesh, source.peak(), parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {
@@ -18137,12 +18196,13 @@ template <int C>
     kit::Array<float> light;
     if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
     const float* const colors = is_linear ? light.data() : mesh.colors;
-    result.image = Image<float, C>(width, height);
+    result.image = Image<float, C>(width, height, kit::raw);
     Image<float, C>& out = result.image;
     parallel_for(bands.starts.size() - 1, [&](std::size_t band) {
         const int first = static_cast<int>(band) * detail::band_rows;
         const detail::RowRange rows{first, std::min(height, first + detail::band_rows)};
         const auto corner = [&](std::uint32_t v) { return detail::Corner<C>{at[v], colors + std::size_t{v} * C}; };
+        std::fill(out.pixel(0, rows.first), out.pixel(0, rows.last), 0.0F);
         for (std::size_t i = bands.starts[band]; i < bands.starts[band + 1]; ++i) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
             detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, sides, out);
@@ -18180,7 +18240,7 @@ template <class T, class U, int C>
 /// A picture in pixels of type T: values rounded to nearest and clamped to the type's range (PixelTraits::from_real).
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
-    Image<T, C> out(image.width(), image.height());
+    Image<T, C> out(image.width(), image.height(), kit::raw);
     const float* const from = image.data();
     T* const to = out.data();
     kit::for_each_chunk(parallel_for, image.size(), 65536, [&](std::size_t begin, std::size_t end) {

@@ -182,6 +182,10 @@ TEST_CASE("an Image is packed, starts at zero, and is empty by default") {
     CHECK((bounds.x == 0 && bounds.y == 0 && bounds.width == 5 && bounds.height == 3));
     CHECK(Image<std::uint16_t, 4>().size() == 0);
     CHECK_FALSE(check(Image<std::uint16_t, 4>().view()));
+    const Image<std::uint16_t, 4> raw(5, 3, hmesh::kit::raw);  // says nothing of its samples
+    CHECK((raw.width() == 5 && raw.height() == 3 && raw.size() == 60));
+    const Image<std::string, 2> words(4, 2, hmesh::kit::raw);
+    CHECK((words.size() == 16 && words.data()[15].empty()));
 }
 
 TEST_CASE("check_finite names the first row with a NaN or an infinity, in any order of work") {

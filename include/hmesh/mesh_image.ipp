@@ -121,7 +121,7 @@ template <int C>
                                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
     kit::finish_cut(mesh, source.has_straight_seams());
-    result.mesh = to_mesh(mesh, source.peak());
+    result.mesh = to_mesh(mesh, source.peak(), parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;
     const auto errors_of = [&](const Mesh& drawn) {

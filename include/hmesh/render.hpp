@@ -245,12 +245,13 @@ template <int C>
     kit::Array<float> light;
     if (is_linear) light = detail::decoded_colors(mesh, parallel_for);
     const float* const colors = is_linear ? light.data() : mesh.colors;
-    result.image = Image<float, C>(width, height);
+    result.image = Image<float, C>(width, height, kit::raw);
     Image<float, C>& out = result.image;
     parallel_for(bands.starts.size() - 1, [&](std::size_t band) {
         const int first = static_cast<int>(band) * detail::band_rows;
         const detail::RowRange rows{first, std::min(height, first + detail::band_rows)};
         const auto corner = [&](std::uint32_t v) { return detail::Corner<C>{at[v], colors + std::size_t{v} * C}; };
+        std::fill(out.pixel(0, rows.first), out.pixel(0, rows.last), 0.0F);
         for (std::size_t i = bands.starts[band]; i < bands.starts[band + 1]; ++i) {
             const std::array<std::uint32_t, 3>& face = mesh.faces[bands.faces[i]];
             detail::draw_face(corner(face[0]), corner(face[1]), corner(face[2]), rows, sides, out);
@@ -288,7 +289,7 @@ template <class T, class U, int C>
 /// A picture in pixels of type T: values rounded to nearest and clamped to the type's range (PixelTraits::from_real).
 template <class T, int C>
 [[nodiscard]] Image<T, C> to_pixels(const Image<float, C>& image, const ParallelFor& parallel_for = {}) {
-    Image<T, C> out(image.width(), image.height());
+    Image<T, C> out(image.width(), image.height(), kit::raw);
     const float* const from = image.data();
     T* const to = out.data();
     kit::for_each_chunk(parallel_for, image.size(), 65536, [&](std::size_t begin, std::size_t end) {

@@ -112,6 +112,10 @@ class ArrayMemory {
 
 }  // namespace detail
 
+/// Says of elements that they are not initialised: they are to be written before they are read.
+struct Raw {};
+inline constexpr Raw raw{};  ///< the only value of Raw
+
 /// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
 /// erase() takes the last elements only, and that insert() takes none of the array's own.
 template <class T>
@@ -128,6 +132,8 @@ class Array : private detail::ArrayMemory<(alignof(T) <= __STDCPP_DEFAULT_NEW_AL
     Array() noexcept = default;
     /// n elements T().
     explicit Array(std::size_t n) { resize(n); }
+    /// n elements that are not initialised.
+    Array(std::size_t n, Raw) { resize_raw(n); }
     /// n times a value.
     Array(std::size_t n, const T& value) { resize(n, value); }
     /// These values.

@@ -18,6 +18,7 @@
 #include <cstddef>
 
 #include "hmesh/core/array.hpp"
+#include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
 
 #include "hmesh/core/macros/push.hpp"
@@ -49,6 +50,15 @@ inline void for_each_chunk(const ParallelFor& parallel_for, std::size_t n, std::
                            FunctionRef<void(std::size_t begin, std::size_t end)> body) {
     const std::size_t chunks = n / grain + (n % grain != 0);
     parallel_for(chunks, [&](std::size_t i) { body(i * grain, std::min(n, (i + 1) * grain)); });
+}
+
+/// The same for what must be done in order: calls body(begin, end) for one range after the other. Where there are several, each
+/// is a call of the executor, which may then ask whether to go on (PollingExecutor).
+HMESH_COLD inline void for_each_in_turn(const ParallelFor& parallel_for, std::size_t n, std::size_t grain,
+                                        FunctionRef<void(std::size_t begin, std::size_t end)> body) {
+    if (n <= grain) return body(0, n);
+    for (std::size_t begin = 0; begin < n; begin += grain)
+        parallel_for(1, [&](std::size_t) { body(begin, std::min(n, begin + grain)); });
 }
 
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.

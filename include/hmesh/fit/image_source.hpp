@@ -130,11 +130,13 @@ class ImageSource {
         else look({*this});
     }
     /// Calls look(window, k) for each k < count, with a window that has the pixels around at(k), a point of the image: those less
-    /// than 2 px away. In any order, on this thread.
+    /// than 2 px away. In any order; of a source that is_read() on this thread, of others 4096 are a piece of work.
     void visit(std::size_t count, FunctionRef<Point(std::size_t k)> at,
-               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look) const {
+               FunctionRef<void(const SourceWindow<C>&, std::size_t k)> look, const ParallelFor& parallel_for = {}) const {
         if (is_read()) return calls_.visit(*this, count, at, look);
-        for (std::size_t k = 0; k < count; ++k) look({*this}, k);
+        for_each_chunk(parallel_for, count, 4096, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) look({*this}, k);
+        });
     }
 
     /// How stored values became the samples; null: they are the samples.

@@ -136,6 +136,12 @@ class Image {
     /// An image of width x height pixels, both >= 0, with all samples T().
     Image(int width, int height)
         : samples_(static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C), width_(width), height_(height) {}
+    /// The same without values: where several threads write the samples the system hands out their memory by several, too.
+    Image(int width, int height, kit::Raw) : width_(width), height_(height) {
+        const std::size_t size = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) * C;
+        if constexpr (std::is_trivially_copyable_v<T>) samples_.resize_raw(size);
+        else samples_.resize(size);
+    }
 
     [[nodiscard]] int width() const noexcept { return width_; }    ///< px
     [[nodiscard]] int height() const noexcept { return height_; }  ///< px

@@ -23,7 +23,7 @@ template <class T, int C>
 [[nodiscard]] Image<T, C> premultiply(const ImageView<T, C>& view, const ParallelFor& parallel_for = {}) {
     static_assert(has_alpha(C), "images of 2 or 4 channels have alpha");
     using Traits = PixelTraits<T>;
-    Image<T, C> out(view.width, view.height);
+    Image<T, C> out(view.width, view.height, raw);
     for_each_chunk(parallel_for, static_cast<std::size_t>(view.height), 32, [&](std::size_t begin, std::size_t end) {
         for (std::size_t y = begin; y < end; ++y) {
             const T* from = view.row(static_cast<int>(y));

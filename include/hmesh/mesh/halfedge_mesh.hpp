@@ -19,6 +19,7 @@
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/mesh/handles.hpp"
 #include "hmesh/mesh/mesh.hpp"
@@ -101,8 +102,8 @@ class HalfedgeMesh {
         return {from_vertex(h), to_vertex(h), to_vertex(next(h))};
     }
     /// The live faces as triples of indices, in the order of faces(); vertices are numbered in the order of vertices(). This is
-    /// what assign() takes. O(n).
-    [[nodiscard]] HMESH_COLD Array<Triangle> triangles() const;
+    /// what assign() takes. O(n), most of it by parallel_for.
+    [[nodiscard]] HMESH_COLD Array<Triangle> triangles(const ParallelFor& parallel_for = {}) const;
     /// The half-edges that leave a vertex, see outgoing().
     class OneRing;
     /// The half-edges that leave v, each once, against the orientation of the faces; on the boundary the boundary half-edge

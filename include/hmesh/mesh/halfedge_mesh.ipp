@@ -128,16 +128,28 @@ bool HalfedgeMesh::do_turns_meet_all() const {
     return met == halfedges_.size();
 }
 
-inline Array<Triangle> HalfedgeMesh::triangles() const {
-    Array<std::uint32_t> numbers(vertex_slots(), 0);
-    std::uint32_t count = 0;
-    for (const Vertex v : vertices()) numbers[v.index()] = count++;
-    Array<Triangle> out;
-    out.reserve(face_count());
-    for (const Face f : faces()) {
-        const std::array<Vertex, 3> v = vertices(f);
-        out.push_back({numbers[v[0].index()], numbers[v[1].index()], numbers[v[2].index()]});
+inline Array<Triangle> HalfedgeMesh::triangles(const ParallelFor& parallel_for) const {
+    Array<std::uint32_t> numbers;  // none: they are indices
+    if (vertex_count() < vertex_slots()) {
+        numbers.resize(vertex_slots());
+        std::uint32_t count = 0;
+        for (const Vertex v : vertices()) numbers[v.index()] = count++;
     }
+    Array<Triangle> out(face_slots(), raw);
+    for_each_chunk(parallel_for, out.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            if (is_deleted(Face(f))) continue;
+            const std::array<Vertex, 3> corners = vertices(Face(f));
+            for (std::size_t k = 0; k < 3; ++k) {
+                const std::size_t v = corners[k].index();
+                out[f][k] = numbers.empty() ? static_cast<std::uint32_t>(v) : numbers[v];
+            }
+        }
+    });
+    if (face_count() == face_slots()) return out;
+    std::size_t kept = 0;
+    for (const Face f : faces()) out[kept++] = out[f.index()];
+    out.resize(kept);
     return out;
 }
 

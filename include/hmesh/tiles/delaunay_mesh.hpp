@@ -123,29 +123,35 @@ HMESH_COLD inline void pair_sides(Delaunay& delaunay, Periodic periodic) {
 /// delaunay.topology(), without the colours, which take_colors() finds: the triangulation is as large as all of them, and may be
 /// gone by then. The energy is not computed: ImageMesh::assign() and TiledMesh::measure() do that. O(n).
 template <int C>
-[[nodiscard]] HMESH_COLD IndexedMesh<C> uncolored_mesh(const ImageSource<C>& source, const Delaunay& delaunay) {
+[[nodiscard]] HMESH_COLD IndexedMesh<C> uncolored_mesh(const ImageSource<C>& source, const Delaunay& delaunay,
+                                                       const ParallelFor& parallel_for = {}) {
     HMESH_ASSERT(delaunay.width() == source.width() && delaunay.height() == source.height());
     HMESH_ASSERT(delaunay.samples() == source.samples());
     IndexedMesh<C> mesh;
     mesh.width = source.width();
     mesh.height = source.height();
     mesh.samples = source.samples();
-    mesh.positions.reserve(delaunay.topology().vertex_count());
-    for (const Vertex v : delaunay.topology().vertices()) mesh.positions.push_back(delaunay.position(v));
-    mesh.faces = delaunay.topology().triangles();
+    const HalfedgeMesh& topology = delaunay.topology();
+    mesh.positions.reserve(topology.vertex_count());
+    for_each_in_turn(parallel_for, topology.vertex_slots(), 1U << 17, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v)
+            if (!topology.is_deleted(Vertex(v))) mesh.positions.push_back(delaunay.position(Vertex(v)));
+    });
+    mesh.faces = topology.triangles(parallel_for);
     return mesh;
 }
 /// Gives each vertex the colour of the pixel under it. O(n).
 template <int C>
-HMESH_COLD void take_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source) {
-    mesh.colors.resize(mesh.positions.size(), Color<C>::zero());
+HMESH_COLD void take_colors(IndexedMesh<C>& mesh, const ImageSource<C>& source, const ParallelFor& parallel_for = {}) {
+    mesh.colors.resize_raw(mesh.positions.size());
     mesh.dirty.resize(mesh.positions.size(), 1);
     source.visit(
         mesh.positions.size(), [&](std::size_t k) { return mesh.positions[k]; },
         [&](const SourceWindow<C>& window, std::size_t k) {
             const Point p = mesh.positions[k];
             mesh.colors[k] = window.pixel(static_cast<int>(p.x), static_cast<int>(p.y));
-        });
+        },
+        parallel_for);
 }
 /// Both.
 template <int C>

@@ -13,6 +13,7 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/core/status.hpp"
 #include "hmesh/fit/image_source.hpp"
 #include "hmesh/fit/squared_error.hpp"
@@ -156,9 +157,10 @@ template <int C>
     return mesh;
 }
 
-/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity.
+/// The mesh as plain float arrays, the result of mesh_image(). `peak`: the stored value of full intensity. Done in order, as the
+/// arrays grow; the executor is given a turn every few ms.
 template <int C>
-[[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak) {
+[[nodiscard]] HMESH_COLD Mesh to_mesh(const IndexedMesh<C>& from, double peak, const ParallelFor& parallel_for = {}) {
     Mesh to;
     to.channels = C;
     to.width = from.width;
@@ -167,13 +169,20 @@ template <int C>
     to.samples = from.samples;
     to.positions.reserve(2 * from.vertex_count());
     to.colors.reserve(C * from.vertex_count());
+    to.faces.reserve(from.faces.size());
     const double shift = inset(from.samples);
-    for (std::size_t v = 0; v < from.vertex_count(); ++v) {
-        to.positions.push_back(static_cast<float>(from.positions[v].x - shift));
-        to.positions.push_back(static_cast<float>(from.positions[v].y - shift));
-        for (int c = 0; c < C; ++c) to.colors.push_back(static_cast<float>(from.colors[v][c]));
-    }
-    to.faces = from.faces;
+    for_each_in_turn(parallel_for, from.vertex_count(), 1U << 17, [&](std::size_t begin, std::size_t end) {
+        to.positions.resize(2 * end);
+        to.colors.resize(C * end);
+        for (std::size_t v = begin; v < end; ++v) {
+            to.positions[2 * v] = static_cast<float>(from.positions[v].x - shift);
+            to.positions[2 * v + 1] = static_cast<float>(from.positions[v].y - shift);
+            for (std::size_t c = 0; c < C; ++c) to.colors[C * v + c] = static_cast<float>(from.colors[v][static_cast<int>(c)]);
+        }
+    });
+    for_each_in_turn(parallel_for, from.faces.size(), 1U << 18, [&](std::size_t begin, std::size_t end) {
+        to.faces.insert(to.faces.end(), from.faces.begin() + begin, from.faces.begin() + end);
+    });
     to.periodic = from.periodic;
     return to;
 }

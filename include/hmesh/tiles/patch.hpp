@@ -73,27 +73,34 @@ struct Cut {
     cut.face_count.resize(n);
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.owner[v] = cut.owner[roots[v]] = Cut::locked;
-    for (std::size_t t = 0; t < faces.size(); ++t) {
-        ++cut.first[tile[t] + 1];
-        for (const std::uint32_t v : faces[t]) {
-            ++cut.face_count[v];
-            cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
+    constexpr std::size_t at_once = std::size_t{1} << 18;  // some ms
+    for_each_in_turn(parallel_for, faces.size(), at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) {
+            ++cut.first[tile[t] + 1];
+            for (const std::uint32_t v : faces[t]) {
+                ++cut.face_count[v];
+                cut.owner[v] = cut.owner[v] == none || cut.owner[v] == tile[t] ? tile[t] : Cut::locked;
+            }
         }
-    }
+    });
     for (std::size_t v = 0; v < roots.size(); ++v)
         if (roots[v] != v) cut.face_count[roots[v]] = static_cast<std::uint16_t>(cut.face_count[roots[v]] + cut.face_count[v]);
     for (std::size_t v = 0; v < roots.size(); ++v) cut.face_count[v] = cut.face_count[roots[v]];
     for (std::size_t k = 0; k < tiling.size(); ++k) cut.first[k + 1] += cut.first[k];
     cut.faces.resize_raw(faces.size());
     Array<std::size_t> at(cut.first.begin(), cut.first.end() - 1);
-    for (std::size_t t = 0; t < tile.size(); ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    for_each_in_turn(parallel_for, faces.size(), at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t t = begin; t < end; ++t) cut.faces[at[tile[t]]++] = static_cast<std::uint32_t>(t);
+    });
     cut.number.resize_raw(n);
     cut.free_count.resize(tiling.size());
-    for (std::size_t v = 0; v < n; ++v) {
-        const bool is_locked = cut.owner[v] == Cut::locked;
-        cut.number[v] = static_cast<std::uint32_t>(is_locked ? cut.locked_vertices.size() : cut.free_count[cut.owner[v]]++);
-        if (is_locked) cut.locked_vertices.push_back(static_cast<std::uint32_t>(v));
-    }
+    for_each_in_turn(parallel_for, n, at_once, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t v = begin; v < end; ++v) {
+            const bool is_locked = cut.owner[v] == Cut::locked;
+            cut.number[v] = static_cast<std::uint32_t>(is_locked ? cut.locked_vertices.size() : cut.free_count[cut.owner[v]]++);
+            if (is_locked) cut.locked_vertices.push_back(static_cast<std::uint32_t>(v));
+        }
+    });
     return cut;
 }
 

@@ -325,6 +325,7 @@ class TiledMesh {
                 sum.add(results[k].first_energy, results[k].energy);
                 continue;
             }
+            (void)progress_->poll();
             results[k] = detail::unchanged(indexed_, cut_, k);
             sum.leave_out();
         }

@@ -221,10 +221,10 @@ class AnnealedRun {
             for (const Point p : on_lines) (void)delaunay.insert(p);
             for (const Point p : *border_) (void)delaunay.insert(p);
             pair_sides(delaunay, source.periodic());
-            tiled_->indexed() = uncolored_mesh(source, delaunay);
+            tiled_->indexed() = uncolored_mesh(source, delaunay, tiled_->parallel_for());
         }
         (void)progress().poll();
-        take_colors(tiled_->indexed(), source);
+        take_colors(tiled_->indexed(), source, tiled_->parallel_for());
         return true;
     }
 

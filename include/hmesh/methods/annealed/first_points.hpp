@@ -183,11 +183,13 @@ HMESH_NEVER_INLINE inline void rank_row(float* densities, int begin, int end, in
 template <int C>
 [[nodiscard]] HMESH_COLD Image<float, 1> point_density(const ImageSource<C>& source, const ParallelFor& parallel_for,
                                                        FunctionRef<bool()> go_on = {}) {
-    Image<float, 1> density(source.width(), source.height());
+    Image<float, 1> density(source.width(), source.height(), raw);
     const double all = ordered_sum(parallel_for, static_cast<std::size_t>(source.height()), detail::density_band,
                                    [&](std::size_t begin, std::size_t end) {
-                                       if (go_on && !go_on()) return 0.0;
-                                       return detail::find_density(source, begin, end, density.pixel(0, static_cast<int>(begin)));
+                                       float* const to = density.pixel(0, static_cast<int>(begin));
+                                       if (!go_on || go_on()) return detail::find_density(source, begin, end, to);
+                                       std::fill(to, density.pixel(0, static_cast<int>(end)), 0.0F);
+                                       return 0.0;
                                    });
     const float least = detail::even_density(all, source.pixels());
     for_each_chunk(parallel_for, density.size(), 65536, [&](std::size_t begin, std::size_t end) {
@@ -266,7 +268,7 @@ using RankBins = std::array<std::uint32_t, 1U << (31 - rank_bin_shift)>;
         if (total >= count) break;
     }
     for (std::size_t k = 0; k < of_band.size(); ++k) first[k + 1] += first[k];
-    PointCandidates candidates{Array<std::uint32_t>(first.back()), Array<std::uint32_t>(first.back())};
+    PointCandidates candidates{Array<std::uint32_t>(first.back(), raw), Array<std::uint32_t>(first.back(), raw)};
     for_each_chunk(parallel_for, rows, band, [&](std::size_t begin, std::size_t end) {
         std::size_t to = first[begin / band];
         const std::size_t last = first[begin / band + 1];
