@@ -946,7 +946,7 @@ HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
     if (items.empty()) return;
     std::uint64_t differing = 0;
     for (const Coded& item : items) differing |= item.code ^ items.front().code;
-    Array<Coded> sorted(items.size());
+    Array<Coded> sorted(items.size(), raw);
     constexpr unsigned most = 11;
     unsigned digit_bits = most;  // fewer for few items, lest clearing counters takes longest
     while (digit_bits > 4 && items.size() >> (digit_bits - 1) == 0) --digit_bits;
@@ -965,7 +965,7 @@ HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
 /// The numbers 0 to count - 1 sorted by their codes, those of one code in their order.
 [[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> code) {
-    Array<Coded> items(count);
+    Array<Coded> items(count, raw);
     for (std::uint32_t k = 0; k < count; ++k) items[k] = {code(k), k};
     sort_by_code(items);
     return items;
@@ -14148,29 +14148,35 @@ struct Recut {
     std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
-/// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const Array<Triangle>& faces,
+/// The sheet whose face f is that of another one, with `roots`, after turns[f]. The executor is given a turn every few ms.
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, Array<Triangle> faces,
                                                   const Array<std::uint32_t>& roots, const Array<Turns>& turns,
-                                                  std::size_t locked_count, const Torus& torus) {
+                                                  std::size_t locked_count, const Torus& torus,
+                                                  const ParallelFor& parallel_for = {}) {
     const std::size_t n = positions.size();
     // As a rule a vertex has one copy, the first; the others are numbered.
-    Array<Turns> first(n);
+    Array<Turns> first(n, raw);
     Array<unsigned char> is_known(n, 0);
     Array<VertexCopy> others;
     Array<std::uint32_t> corners;  // of these, 3 * face + number
-    for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
-        const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
-        const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
-        const Turns at = own + turns[corner / 3];
-        if (std::exchange(is_known[root], 1) == 0) first[root] = at;
-        if (first[root] == at) continue;
-        others.push_back({root, at});
-        corners.push_back(corner);
-    }
+    for_each_in_turn(parallel_for, 3 * faces.size(), 1U << 18, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t corner = begin; corner < end; ++corner) {
+            const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
+            const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
+            const Turns at = own + turns[corner / 3];
+            if (std::exchange(is_known[root], 1) == 0) first[root] = at;
+            if (first[root] == at) continue;
+            others.push_back({root, at});
+            corners.push_back(static_cast<std::uint32_t>(corner));
+        }
+    });
     const NumberedCopies copies = numbered(others);
 
     Recut out;
-    Array<std::uint32_t> number(n), of_copy(copies.different.size());
+    Array<std::uint32_t> number(n, raw), of_copy(copies.different.size());
+    out.positions.reserve(n + of_copy.size());
+    out.from.reserve(n + of_copy.size());
+    out.roots.reserve(n + of_copy.size());
     const auto add = [&](std::uint32_t root, Turns by) {
         out.positions.push_back(turned(positions[root], by, torus));
         out.from.push_back(root);
@@ -14188,7 +14194,7 @@ struct Recut {
         }
     }
     if (locked_count >= n) out.locked_count = out.positions.size();
-    out.faces = faces;
+    out.faces = std::move(faces);
     for (Triangle& face : out.faces)
         for (std::uint32_t& v : face) v = number[roots[v]];
     for (std::size_t i = 0; i < corners.size(); ++i) out.faces[corners[i] / 3][corners[i] % 3] = of_copy[copies.number[i]];
@@ -14197,12 +14203,14 @@ struct Recut {
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
 [[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const Array<Triangle>& faces, int x,
-                                                            int y, const Torus& torus) {
-    Array<Turns> turns(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const Triangle& face = faces[f];
-        turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
-    }
+                                                            int y, const Torus& torus, const ParallelFor& parallel_for = {}) {
+    Array<Turns> turns(faces.size(), raw);
+    for_each_chunk(parallel_for, faces.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const Triangle& face = faces[f];
+            turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
+        }
+    });
     return turns;
 }
 
@@ -14322,10 +14330,11 @@ template <int C>
 /// Cuts a periodic mesh open so that the centroids of its faces are in the rectangle of the image's size that begins at (x, y),
 /// in px. Faces stay in their order, vertices too but for copies, which follow the first of them.
 template <int C>
-HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y) {
+HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y, const ParallelFor& parallel_for = {}) {
     if (mesh.periodic == Periodic::none) return;
-    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
-    detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, mesh.locked_count, mesh.torus()));
+    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus(), parallel_for);
+    detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, mesh.locked_count,
+                                           mesh.torus(), parallel_for));
 }
 
 /// The last cut of a periodic mesh, for the user: along the sides of the image if these are `straight` seams, else as short as
@@ -14336,7 +14345,7 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
     recut(mesh, 0, 0);
     if (!straight) {
         const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
-        detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, 0, mesh.torus()));
+        detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus()));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {
         mesh.add(mesh.positions[v], Color<C>(mesh.colors[v]));
@@ -14507,7 +14516,7 @@ class TiledMesh {
     /// cancellation patches are left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling, PatchLook look, bool all = false) {
         put_together();
-        recut(indexed_, tiling.left(), tiling.top());
+        recut(indexed_, tiling.left(), tiling.top(), parallel_for_);
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
@@ -14613,7 +14622,7 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
-        recut(indexed_, tiling.left(), tiling.top());
+        recut(indexed_, tiling.left(), tiling.top(), parallel_for_);
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         Patches(tiling.size()).swap(patches_);  // resize() would move patches
@@ -16779,11 +16788,12 @@ void sample_colors(ImageMesh<C>& mesh, const ParallelFor& parallel_for = {}) {
 /// Tied colors: the least-squares system of a mesh in which some vertices are copies of one another and have one colour.
 ///
 /// A periodic mesh is cut open (mesh/torus.hpp), and a vertex on the cut has copies on both sides. In the system of its colours
-/// (solve/bounded_colors.hpp) they are one unknown, whose row is the sum of theirs: the system of the torus. Cost: 0.5 us a
+/// (solve/bounded_colors.hpp) they are one unknown, whose row is the sum of theirs: the system of the torus. Cost: 0.2 us a
 /// vertex.
 #ifndef HMESH_SOLVE_TIED_COLORS_HPP
 #define HMESH_SOLVE_TIED_COLORS_HPP
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <utility>
@@ -16814,43 +16824,69 @@ struct TiedRows {
 class TiedMatrix {
   public:
     /// A matrix of `size` rows, each of which has a diagonal, for about so many corners.
-    TiedMatrix(std::size_t size, std::size_t corners) : size_(size) {
-        entries_.reserve(3 * corners + size);
-        for (std::size_t row = 0; row < size; ++row) add_to_diagonal(row, 0);
-    }
+    TiedMatrix(std::size_t size, std::size_t corners) : diagonal_(size, 0.0) { entries_.reserve(corners); }
     /// Adds to the diagonal of a row.
-    void add_to_diagonal(std::uint64_t row, double value) { entries_.push_back({row * size_ + row, value}); }
+    void add_to_diagonal(std::uint32_t row, double value) { diagonal_[row] += value; }
     /// Adds what the corner of a face at row a, whose next corner is at row b, brings.
-    void add_corner(std::uint64_t a, std::uint64_t b, double square, double coupling) {
+    void add_corner(std::uint32_t a, std::uint32_t b, double square, double coupling) {
         add_to_diagonal(a, square);
-        entries_.push_back({a * size_ + b, coupling});
-        entries_.push_back({b * size_ + a, coupling});
+        if (a != b) return entries_.push_back({std::min(a, b), std::max(a, b), coupling});
+        add_to_diagonal(a, coupling);
+        add_to_diagonal(a, coupling);
     }
     /// The matrix.
     [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
-        SymmetricMatrix matrix;
-        std::uint64_t row = 0, last = size_ * size_;
-        for (const Coded& at : sorted_numbers(entries_.size(), [&](std::uint32_t k) { return entries_[k].place; })) {
-            const double value = entries_[at.number].value;
-            const std::uint64_t place = at.code;
-            if (std::exchange(last, place) == place) {
-                matrix.values.back() += value;
-                continue;
-            }
-            for (; row < place / size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
-            matrix.columns.push_back(static_cast<int>(place % size_));
-            matrix.values.push_back(value);
+        const Array<Entry> sides = summed_entries();
+        // Entries of each row before the diagonal and behind it: how many, then where the next one goes. They come in the order
+        // of their columns.
+        const std::size_t size = diagonal_.size();
+        Array<int> before(size, 0), behind(size, 0);
+        for (const Entry& side : sides) {
+            ++behind[side.low];
+            ++before[side.high];
         }
-        for (; row < size_; ++row) matrix.starts.push_back(static_cast<int>(matrix.values.size()));
+        SymmetricMatrix matrix;
+        matrix.columns.resize_raw(size + 2 * sides.size());
+        matrix.values.resize_raw(size + 2 * sides.size());
+        const auto put = [&](int at, std::size_t column, double value) {
+            matrix.columns[static_cast<std::size_t>(at)] = static_cast<int>(column);
+            matrix.values[static_cast<std::size_t>(at)] = value;
+        };
+        matrix.starts.reserve(size + 1);
+        for (std::size_t row = 0; row < size; ++row) {
+            const int start = matrix.starts.back(), at = start + before[row];
+            put(at, row, diagonal_[row]);
+            matrix.starts.push_back(at + 1 + behind[row]);
+            before[row] = start;
+            behind[row] = at + 1;
+        }
+        for (const Entry& side : sides) {
+            put(behind[side.low]++, side.high, side.value);
+            put(before[side.high]++, side.low, side.value);
+        }
         return matrix;
     }
 
   private:
+    /// An entry above the diagonal, and the one across it.
     struct Entry {
-        std::uint64_t place;  // row * size + column
+        std::uint32_t low, high;  // rows
         double value;
     };
-    std::uint64_t size_;
+    /// Each place once, by low and high.
+    [[nodiscard]] Array<Entry> summed_entries() const {
+        const auto code = [&](std::uint32_t k) { return code_of(entries_[k].low, entries_[k].high); };
+        Array<Entry> sums;
+        std::uint64_t last = 0;  // of no entry: low < high
+        for (const Coded& at : sorted_numbers(entries_.size(), code)) {
+            const Entry& entry = entries_[at.number];
+            if (std::exchange(last, at.code) == at.code) sums.back().value += entry.value;
+            else sums.push_back(entry);
+        }
+        return sums;
+    }
+
+    Array<double> diagonal_;
     Array<Entry> entries_;
 };
 
@@ -16954,7 +16990,7 @@ template <int C>
 HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());  // to be added to
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -16968,6 +17004,7 @@ HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRa
     Array<Color<C>> colors;
     Array<ColorTie<C>> ties;
     Array<Point> tie_points;
+    colors.reserve(tied.vertices.size());
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), range.low, range.high);
@@ -18623,7 +18660,7 @@ class LinearLight {
     /// normal_matrix() with the rows of copies added up.
     [[nodiscard]] HMESH_COLD SymmetricMatrix tied_matrix() const {
         TiedMatrix matrix(tied_.vertices.size(), 3 * topology_.face_count());
-        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t b) {
+        for_each_corner([&](Halfedge h, std::uint32_t a, std::uint32_t b) {
             matrix.add_corner(a, b, corners_[h.index()].square, corners_[h.index()].coupling);
         });
         return matrix.sum();
@@ -18631,13 +18668,11 @@ class LinearLight {
     /// image_sums() likewise.
     [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
         DenseMatrix sums(tied_.vertices.size(), 1);
-        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) {
-            sums(static_cast<std::size_t>(a), 0) += corners_[h.index()].image[0];
-        });
+        for_each_corner([&](Halfedge h, std::uint32_t a, std::uint32_t) { sums(a, 0) += corners_[h.index()].image[0]; });
         return sums;
     }
     /// Calls body(h, row of its vertex, row of the next) for all half-edges with a face.
-    void for_each_corner(FunctionRef<void(Halfedge h, std::uint64_t from, std::uint64_t to)> body) const {
+    void for_each_corner(FunctionRef<void(Halfedge h, std::uint32_t from, std::uint32_t to)> body) const {
         for (const Face f : topology_.faces()) {
             Halfedge h = topology_.halfedge(f);
             for (int k = 0; k < 3; ++k, h = topology_.next(h))

@@ -43,7 +43,7 @@ HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
     if (items.empty()) return;
     std::uint64_t differing = 0;
     for (const Coded& item : items) differing |= item.code ^ items.front().code;
-    Array<Coded> sorted(items.size());
+    Array<Coded> sorted(items.size(), raw);
     constexpr unsigned most = 11;
     unsigned digit_bits = most;  // fewer for few items, lest clearing counters takes longest
     while (digit_bits > 4 && items.size() >> (digit_bits - 1) == 0) --digit_bits;
@@ -62,7 +62,7 @@ HMESH_NEVER_INLINE inline void sort_by_code(Array<Coded>& items) {
 /// The numbers 0 to count - 1 sorted by their codes, those of one code in their order.
 [[nodiscard]] HMESH_NEVER_INLINE HMESH_COLD inline Array<Coded> sorted_numbers(
     std::size_t count, FunctionRef<std::uint64_t(std::uint32_t number)> code) {
-    Array<Coded> items(count);
+    Array<Coded> items(count, raw);
     for (std::uint32_t k = 0; k < count; ++k) items[k] = {code(k), k};
     sort_by_code(items);
     return items;

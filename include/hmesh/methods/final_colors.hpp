@@ -67,7 +67,7 @@ template <int C>
 HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());  // to be added to
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -81,6 +81,7 @@ HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRa
     Array<Color<C>> colors;
     Array<ColorTie<C>> ties;
     Array<Point> tie_points;
+    colors.reserve(tied.vertices.size());
     for (const std::uint32_t v : tied.vertices) {
         colors.push_back(mesh.colors[v]);
         clamp_channels<C>(colors.back(), range.low, range.high);

@@ -165,7 +165,7 @@ class LinearLight {
     /// normal_matrix() with the rows of copies added up.
     [[nodiscard]] HMESH_COLD SymmetricMatrix tied_matrix() const {
         TiedMatrix matrix(tied_.vertices.size(), 3 * topology_.face_count());
-        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t b) {
+        for_each_corner([&](Halfedge h, std::uint32_t a, std::uint32_t b) {
             matrix.add_corner(a, b, corners_[h.index()].square, corners_[h.index()].coupling);
         });
         return matrix.sum();
@@ -173,13 +173,11 @@ class LinearLight {
     /// image_sums() likewise.
     [[nodiscard]] HMESH_COLD DenseMatrix tied_sums() const {
         DenseMatrix sums(tied_.vertices.size(), 1);
-        for_each_corner([&](Halfedge h, std::uint64_t a, std::uint64_t) {
-            sums(static_cast<std::size_t>(a), 0) += corners_[h.index()].image[0];
-        });
+        for_each_corner([&](Halfedge h, std::uint32_t a, std::uint32_t) { sums(a, 0) += corners_[h.index()].image[0]; });
         return sums;
     }
     /// Calls body(h, row of its vertex, row of the next) for all half-edges with a face.
-    void for_each_corner(FunctionRef<void(Halfedge h, std::uint64_t from, std::uint64_t to)> body) const {
+    void for_each_corner(FunctionRef<void(Halfedge h, std::uint32_t from, std::uint32_t to)> body) const {
         for (const Face f : topology_.faces()) {
             Halfedge h = topology_.halfedge(f);
             for (int k = 0; k < 3; ++k, h = topology_.next(h))

@@ -14,6 +14,7 @@
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/mesh/geometry.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
@@ -34,29 +35,35 @@ struct Recut {
     std::size_t locked_count = 0;  ///< the first so many vertices were among as many of the other sheet
 };
 
-/// The sheet whose face f is that of another one, with `roots`, after turns[f].
-[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, const Array<Triangle>& faces,
+/// The sheet whose face f is that of another one, with `roots`, after turns[f]. The executor is given a turn every few ms.
+[[nodiscard]] HMESH_COLD inline Recut moved_faces(const Array<Point>& positions, Array<Triangle> faces,
                                                   const Array<std::uint32_t>& roots, const Array<Turns>& turns,
-                                                  std::size_t locked_count, const Torus& torus) {
+                                                  std::size_t locked_count, const Torus& torus,
+                                                  const ParallelFor& parallel_for = {}) {
     const std::size_t n = positions.size();
     // As a rule a vertex has one copy, the first; the others are numbered.
-    Array<Turns> first(n);
+    Array<Turns> first(n, raw);
     Array<unsigned char> is_known(n, 0);
     Array<VertexCopy> others;
     Array<std::uint32_t> corners;  // of these, 3 * face + number
-    for (std::uint32_t corner = 0; corner < 3 * faces.size(); ++corner) {
-        const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
-        const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
-        const Turns at = own + turns[corner / 3];
-        if (std::exchange(is_known[root], 1) == 0) first[root] = at;
-        if (first[root] == at) continue;
-        others.push_back({root, at});
-        corners.push_back(corner);
-    }
+    for_each_in_turn(parallel_for, 3 * faces.size(), 1U << 18, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t corner = begin; corner < end; ++corner) {
+            const std::uint32_t v = faces[corner / 3][corner % 3], root = roots[v];
+            const Turns own = v == root ? Turns() : turns_between(positions[root], positions[v], torus);
+            const Turns at = own + turns[corner / 3];
+            if (std::exchange(is_known[root], 1) == 0) first[root] = at;
+            if (first[root] == at) continue;
+            others.push_back({root, at});
+            corners.push_back(static_cast<std::uint32_t>(corner));
+        }
+    });
     const NumberedCopies copies = numbered(others);
 
     Recut out;
-    Array<std::uint32_t> number(n), of_copy(copies.different.size());
+    Array<std::uint32_t> number(n, raw), of_copy(copies.different.size());
+    out.positions.reserve(n + of_copy.size());
+    out.from.reserve(n + of_copy.size());
+    out.roots.reserve(n + of_copy.size());
     const auto add = [&](std::uint32_t root, Turns by) {
         out.positions.push_back(turned(positions[root], by, torus));
         out.from.push_back(root);
@@ -74,7 +81,7 @@ struct Recut {
         }
     }
     if (locked_count >= n) out.locked_count = out.positions.size();
-    out.faces = faces;
+    out.faces = std::move(faces);
     for (Triangle& face : out.faces)
         for (std::uint32_t& v : face) v = number[roots[v]];
     for (std::size_t i = 0; i < corners.size(); ++i) out.faces[corners[i] / 3][corners[i] % 3] = of_copy[copies.number[i]];
@@ -83,12 +90,14 @@ struct Recut {
 
 /// The turns of the faces of a sheet that bring their centroids into the rectangle of the image's size that begins at (x, y).
 [[nodiscard]] HMESH_COLD inline Array<Turns> turns_of_faces(const Array<Point>& positions, const Array<Triangle>& faces, int x,
-                                                            int y, const Torus& torus) {
-    Array<Turns> turns(faces.size());
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-        const Triangle& face = faces[f];
-        turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
-    }
+                                                            int y, const Torus& torus, const ParallelFor& parallel_for = {}) {
+    Array<Turns> turns(faces.size(), raw);
+    for_each_chunk(parallel_for, faces.size(), 16384, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t f = begin; f < end; ++f) {
+            const Triangle& face = faces[f];
+            turns[f] = turns_into(centroid(positions[face[0]], positions[face[1]], positions[face[2]]), x, y, torus);
+        }
+    });
     return turns;
 }
 
@@ -208,10 +217,11 @@ template <int C>
 /// Cuts a periodic mesh open so that the centroids of its faces are in the rectangle of the image's size that begins at (x, y),
 /// in px. Faces stay in their order, vertices too but for copies, which follow the first of them.
 template <int C>
-HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y) {
+HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y, const ParallelFor& parallel_for = {}) {
     if (mesh.periodic == Periodic::none) return;
-    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus());
-    detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, mesh.locked_count, mesh.torus()));
+    const Array<Turns> turns = detail::turns_of_faces(mesh.positions, mesh.faces, x, y, mesh.torus(), parallel_for);
+    detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, mesh.locked_count,
+                                           mesh.torus(), parallel_for));
 }
 
 /// The last cut of a periodic mesh, for the user: along the sides of the image if these are `straight` seams, else as short as
@@ -222,7 +232,7 @@ HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
     recut(mesh, 0, 0);
     if (!straight) {
         const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
-        detail::take(mesh, detail::moved_faces(mesh.positions, mesh.faces, mesh.roots, turns, 0, mesh.torus()));
+        detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus()));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {
         mesh.add(mesh.positions[v], Color<C>(mesh.colors[v]));

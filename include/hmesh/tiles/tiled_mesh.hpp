@@ -167,7 +167,7 @@ class TiledMesh {
     /// cancellation patches are left out, unless `all`.
     HMESH_COLD bool visit(const Tiling& tiling, PatchLook look, bool all = false) {
         put_together();
-        recut(indexed_, tiling.left(), tiling.top());
+        recut(indexed_, tiling.left(), tiling.top(), parallel_for_);
         const detail::Cut cut = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         const MomentTable<C>* const whole = whole_table(tiling.size() == 1);
         run(
@@ -273,7 +273,7 @@ class TiledMesh {
     HMESH_COLD void cut_along(const Tiling& tiling) {
         if (is_cut() && tiling_ == tiling) return;
         put_together();
-        recut(indexed_, tiling.left(), tiling.top());
+        recut(indexed_, tiling.left(), tiling.top(), parallel_for_);
         tiling_ = tiling;
         cut_ = detail::cut(indexed_.positions, indexed_.faces, tiling, indexed_.roots, parallel_for_);
         Patches(tiling.size()).swap(patches_);  // resize() would move patches
