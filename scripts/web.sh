@@ -50,7 +50,7 @@ link() {
     emscripten -Os "$@" -o "$package/$name.wasm" --no-entry -sSTANDALONE_WASM -sIMPORTED_MEMORY -sMALLOC=emmalloc \
         -sALLOW_MEMORY_GROWTH -sMAXIMUM_MEMORY=2GB -sINITIAL_MEMORY=4MB -sTOTAL_STACK=1MB -sFILESYSTEM=0 \
         -sWARN_ON_UNDEFINED_SYMBOLS=0 -sERROR_ON_UNDEFINED_SYMBOLS=0 &&
-        wasm-opt --low-memory-unused -Oz --flatten --rereloop -Oz --rse -Oz --flatten --rereloop -Oz --rse -Oz --enable-simd \
+        wasm-opt --low-memory-unused --flatten --rereloop -Oz --rse -Oz --flatten --rereloop -Oz --rse -Oz --enable-simd \
             --enable-bulk-memory --enable-sign-ext --enable-nontrapping-float-to-int --enable-threads "$package/$name.wasm" -o "$package/$name.wasm"
 }
 
