@@ -55,6 +55,24 @@ TEST_CASE("for_each_chunk covers [0, n) exactly once with ranges of at most `gra
         }
 }
 
+TEST_CASE("for_each_in_turn goes through [0, n) in order on any executor, which is given each of several ranges as a call") {
+    for (std::size_t n = 0; n <= 40; ++n)
+        for (std::size_t grain = 1; grain <= 45; ++grain) {
+            std::size_t calls = 0, reached = 0;
+            bool good = true;
+            const auto count = [&](std::size_t pieces, hmesh::Piece piece) {
+                ++calls;
+                last_first(pieces, piece);
+            };
+            hmesh::kit::for_each_in_turn(count, n, grain, [&](std::size_t begin, std::size_t end) {
+                good = good && begin == reached && end >= begin && end - begin <= grain;
+                reached = end;
+            });
+            CHECK((good && reached == n));
+            CHECK(calls == (n <= grain ? 0 : (n + grain - 1) / grain));
+        }
+}
+
 TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {
     using Ranges = std::vector<std::pair<std::size_t, std::size_t>>;
     const auto record = [](const hmesh::ParallelFor& parallel_for) {
