@@ -79,6 +79,8 @@ TEST_CASE("new elements have their type's default values, and stand where their 
         REQUIRE(reinterpret_cast<std::uintptr_t>(wide.data()) % 64 == 0);
         wide.push_back(Wide());
     }
+    CHECK((Array<Place>(3, {}) == Array<Place>(3)));  // {} is a value
+    CHECK(Array<int>(3, hmesh::kit::raw).size() == 3);
 }
 
 TEST_CASE("copies are of their own, moves take all, and vectors become Arrays and come back") {

@@ -113,8 +113,10 @@ class ArrayMemory {
 }  // namespace detail
 
 /// Says of elements that they are not initialised: they are to be written before they are read.
-struct Raw {};
-inline constexpr Raw raw{};  ///< the only value of Raw
+struct Raw {
+    constexpr explicit Raw(int) noexcept {}  ///< not from {}, which is a value of elements
+};
+inline constexpr Raw raw{0};  ///< the only value of Raw
 
 /// A row of trivially copyable elements that grows. Members are those of std::vector, but that iterators are pointers, that
 /// erase() takes the last elements only, and that insert() takes none of the array's own.
