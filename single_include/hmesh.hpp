@@ -1439,10 +1439,12 @@ struct IntLanes {
     [[nodiscard]] static HMESH_ALWAYS_INLINE IntLanes bytes(std::int32_t from) {
         const auto bits = static_cast<std::uint32_t>(from);
 #if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
-        using Bytes = std::uint8_t __attribute__((vector_size(4)));
-        Bytes parts;
-        std::memcpy(&parts, &bits, sizeof parts);
-        return IntLanes{__builtin_convertvector(parts, Block)};
+        // By way of 16 bits: of what Clang makes of one step, engines of WebAssembly make twenty instructions.
+        using Bytes = std::uint8_t __attribute__((vector_size(16)));
+        using Words = std::uint16_t __attribute__((vector_size(16)));
+        const auto parts = reinterpret_cast<Bytes>(Block{bits, bits, bits, bits});
+        const Words words = __builtin_convertvector(__builtin_shufflevector(parts, parts, 0, 1, 2, 3, 4, 5, 6, 7), Words);
+        return IntLanes{__builtin_convertvector(__builtin_shufflevector(words, words, 0, 1, 2, 3), Block)};
 #elif defined(HMESH_HAS_INT_REGISTERS)
         using Chars = char __attribute__((vector_size(16)));
         using Shorts = short __attribute__((vector_size(16)));
@@ -1511,7 +1513,8 @@ struct IntLanes {
         using Ints = std::int32_t __attribute__((vector_size(16)));
         const auto ints = reinterpret_cast<Ints>(block);
         r.block[0] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 0, 1), Lanes<4>::Block);
-        r.block[1] = __builtin_convertvector(__builtin_shufflevector(ints, ints, 2, 3), Lanes<4>::Block);
+        const Ints upper = upper_half(ints);
+        r.block[1] = __builtin_convertvector(__builtin_shufflevector(upper, upper, 0, 1), Lanes<4>::Block);
 #elif defined(HMESH_HAS_INT_REGISTERS) && !defined(__AVX__)
         const auto ints = reinterpret_cast<detail::FourInts>(block);
         r.block[0] = detail::converted_pair(ints, false), r.block[1] = detail::converted_pair(ints, true);
@@ -1525,6 +1528,20 @@ struct IntLanes {
     }
 
   private:
+#if defined(HMESH_HAS_INT_REGISTERS) && defined(__clang__)
+    /// The upper two of four integers, twice.
+    template <class Ints>
+    [[nodiscard]] static HMESH_ALWAYS_INLINE Ints upper_half(const Ints& ints) {
+#if defined(__wasm__)  // where nobody asks for the other two, Clang takes byte 0 for them, and engines five instructions for one
+        using Bytes = signed char __attribute__((vector_size(16)));
+        const auto bytes = reinterpret_cast<Bytes>(ints);
+        return reinterpret_cast<Ints>(
+            __builtin_wasm_shuffle_i8x16(bytes, bytes, 8, 9, 10, 11, 12, 13, 14, 15, 8, 9, 10, 11, 12, 13, 14, 15));
+#else
+        return __builtin_shufflevector(ints, ints, 2, 3, 2, 3);
+#endif
+    }
+#endif
     /// Two integers of 16 bits, in the halves of one of 32.
     [[nodiscard]] static HMESH_ALWAYS_INLINE std::uint32_t half_pair(int lower, int upper) {
         return (static_cast<std::uint32_t>(upper) << 16U) | (static_cast<std::uint32_t>(lower) & 0xffffU);
@@ -6169,6 +6186,7 @@ inline Status write_svg(const MeshView& mesh, Sink sink, const SvgOptions& optio
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 namespace hmesh {
 
@@ -6206,6 +6224,12 @@ HMESH_COLD inline void for_each_in_turn(const ParallelFor& parallel_for, std::si
     if (n <= grain) return body(0, n);
     for (std::size_t begin = 0; begin < n; begin += grain)
         parallel_for(1, [&](std::size_t) { body(begin, std::min(n, begin + grain)); });
+}
+
+/// Sets fresh memory to 0, in pieces of work: where the system has to find its pages, that takes 2.5 ms a megabyte.
+HMESH_COLD inline void clear(const ParallelFor& parallel_for, void* memory, std::size_t bytes) {
+    for_each_chunk(parallel_for, bytes, 1U << 21,
+                   [&](std::size_t begin, std::size_t end) { std::memset(static_cast<char*>(memory) + begin, 0, end - begin); });
 }
 
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.
@@ -14217,10 +14241,12 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
-/// there is one.
+/// there is one. In turns of the executor.
 [[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const Array<Triangle>& faces,
-                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
-    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+                                                              const Array<std::uint32_t>& roots, const Torus& torus,
+                                                              const ParallelFor& parallel_for = {}) {
+    Array<TorusSide> sides;
+    parallel_for(1, [&](std::size_t) { sides = torus_sides(positions, faces, roots, torus); });
     struct Neighbor {
         std::uint32_t face = 0;
         Turns away;  // how far it is from where the face would meet it
@@ -14235,9 +14261,8 @@ struct Recut {
         ++k;
     }
     Array<Turns> turns(faces.size());
-    // Each move takes an edge off the border, so there is an end.
-    for (bool changed = true; changed;) {
-        changed = false;
+    const auto shorten = [&] {
+        bool changed = false;
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const auto count_at = [&](Turns place) {
                 int count = 0;
@@ -14258,7 +14283,10 @@ struct Recut {
                 break;
             }
         }
-    }
+        return changed;
+    };
+    // Each move takes an edge off the border, so there is an end.
+    for (bool changed = true; changed;) parallel_for(1, [&](std::size_t) { changed = shorten(); });
     return turns;
 }
 
@@ -14342,12 +14370,13 @@ HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y, const ParallelFor& par
 /// The last cut of a periodic mesh, for the user: along the sides of the image if these are `straight` seams, else as short as
 /// moves of single faces make it; no two fans of faces meet in one vertex. The mesh is no more for phases of work.
 template <int C>
-HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
+HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight, const ParallelFor& parallel_for = {}) {
     if (mesh.periodic == Periodic::none) return;
-    recut(mesh, 0, 0);
+    recut(mesh, 0, 0, parallel_for);
     if (!straight) {
-        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
-        detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus()));
+        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus(), parallel_for);
+        detail::take(
+            mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus(), parallel_for));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {
         mesh.add(mesh.positions[v], Color<C>(mesh.colors[v]));
@@ -16836,20 +16865,26 @@ class TiedMatrix {
         add_to_diagonal(a, coupling);
         add_to_diagonal(a, coupling);
     }
-    /// The matrix.
-    [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
-        const Array<Entry> sides = summed_entries();
+    /// The matrix, with which the sums end. In turns of the executor.
+    [[nodiscard]] HMESH_COLD SymmetricMatrix sum(const ParallelFor& parallel_for = {}) {
+        for (const auto row : {&Entry::high, &Entry::low}) parallel_for(1, [&](std::size_t) { sort_by(row); });
+        std::size_t places = 0;
+        for (const Entry& entry : entries_) {
+            if (places > 0 && entries_[places - 1].is_at(entry)) entries_[places - 1].value += entry.value;
+            else entries_[places++] = entry;
+        }
+        entries_.resize(places);
         // Entries of each row before the diagonal and behind it: how many, then where the next one goes. They come in the order
         // of their columns.
         const std::size_t size = diagonal_.size();
         Array<int> before(size, 0), behind(size, 0);
-        for (const Entry& side : sides) {
+        for (const Entry& side : entries_) {
             ++behind[side.low];
             ++before[side.high];
         }
         SymmetricMatrix matrix;
-        matrix.columns.resize_raw(size + 2 * sides.size());
-        matrix.values.resize_raw(size + 2 * sides.size());
+        matrix.columns.resize_raw(size + 2 * places);
+        matrix.values.resize_raw(size + 2 * places);
         const auto put = [&](int at, std::size_t column, double value) {
             matrix.columns[static_cast<std::size_t>(at)] = static_cast<int>(column);
             matrix.values[static_cast<std::size_t>(at)] = value;
@@ -16862,10 +16897,12 @@ class TiedMatrix {
             before[row] = start;
             behind[row] = at + 1;
         }
-        for (const Entry& side : sides) {
-            put(behind[side.low]++, side.high, side.value);
-            put(before[side.high]++, side.low, side.value);
-        }
+        parallel_for(1, [&](std::size_t) {
+            for (const Entry& side : entries_) {
+                put(behind[side.low]++, side.high, side.value);
+                put(before[side.high]++, side.low, side.value);
+            }
+        });
         return matrix;
     }
 
@@ -16874,18 +16911,17 @@ class TiedMatrix {
     struct Entry {
         std::uint32_t low, high;  // rows
         double value;
+        [[nodiscard]] bool is_at(const Entry& other) const noexcept { return low == other.low && high == other.high; }
     };
-    /// Each place once, by low and high.
-    [[nodiscard]] Array<Entry> summed_entries() const {
-        const auto code = [&](std::uint32_t k) { return code_of(entries_[k].low, entries_[k].high); };
-        Array<Entry> sums;
-        std::uint64_t last = 0;  // of no entry: low < high
-        for (const Coded& at : sorted_numbers(entries_.size(), code)) {
-            const Entry& entry = entries_[at.number];
-            if (std::exchange(last, at.code) == at.code) sums.back().value += entry.value;
-            else sums.push_back(entry);
-        }
-        return sums;
+    /// Sorts the entries by one of their rows, those of one row in their order.
+    void sort_by(std::uint32_t Entry::*row) {
+        Array<std::uint32_t> next(diagonal_.size(), 0);  // of each row: how many there are, then where the next one goes
+        for (const Entry& entry : entries_) ++next[entry.*row];
+        std::uint32_t first = 0;
+        for (std::uint32_t& at : next) at = std::exchange(first, first + at);
+        Array<Entry> sorted(entries_.size(), raw);
+        for (const Entry& entry : entries_) sorted[next[entry.*row]++] = entry;
+        entries_ = std::move(sorted);
     }
 
     Array<double> diagonal_;
@@ -16907,7 +16943,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const Array<std::uint32_t>& rows,
                                                                   const Array<CornerSums<C>>& corners,
                                                                   const Array<ColorTie<C>>& ties, const Array<Color<C>>& colors,
-                                                                  double ridge) {
+                                                                  double ridge, const ParallelFor& parallel_for = {}) {
     const std::size_t size = colors.size();
     detail::ColorSystem<C> system;
     system.ridge = ridge;
@@ -16922,7 +16958,7 @@ template <int C>
         gram.add_to_diagonal(tie.row, tie.weight);
         system.rhs[tie.row] += tie.weight * tie.color;
     }
-    system.gram = gram.sum();
+    system.gram = gram.sum(parallel_for);
     system.inverse.assign(size, 0.0);
     for (std::size_t row = 0; row < size; ++row) {
         system.rhs[row].set(C, 0);
@@ -16992,7 +17028,8 @@ template <int C>
 HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());  // to be added to
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size(), raw);
+    clear(tiled.parallel_for(), corners.data(), corners.size() * sizeof(CornerSums<C>));  // to be added to
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -17024,7 +17061,7 @@ HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRa
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
-    const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
+    const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge, tiled.parallel_for());
     (void)descend(system, range, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     return measure_finally(tiled, tiling);
@@ -17672,7 +17709,7 @@ template <int C>
     kit::IndexedMesh<C> mesh = fitted.copy();
     if (subject.fitted->scale() != nullptr) kit::take_sampled_colors(mesh, source);
     for (kit::Color<C>& color : mesh.colors) kit::detail::clamp_channels<C>(color, source.low(), source.high());
-    kit::finish_cut(mesh, source.has_straight_seams());
+    kit::finish_cut(mesh, source.has_straight_seams(), fitted.parallel_for());
     Mesh result = to_mesh(mesh, source.peak());
     result.premultiplied = options.premultiplied;
     return result;
@@ -17700,7 +17737,7 @@ template <int C>
     const double largest = colors == Colors::sampled ? sample_colors(tiled, tile, grid)
                                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
-    kit::finish_cut(mesh, source.has_straight_seams());
+    kit::finish_cut(mesh, source.has_straight_seams(), parallel_for);
     result.mesh = to_mesh(mesh, source.peak(), parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;

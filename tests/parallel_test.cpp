@@ -2,6 +2,7 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <thread>
@@ -71,6 +72,16 @@ TEST_CASE("for_each_in_turn goes through [0, n) in order on any executor, which 
             CHECK((good && reached == n));
             CHECK(calls == (n <= grain ? 0 : (n + grain - 1) / grain));
         }
+}
+
+TEST_CASE("memory is cleared from its first byte to its last, and no further") {
+    constexpr std::size_t piece = std::size_t{1} << 21;
+    for (const std::size_t bytes : {std::size_t{0}, std::size_t{1}, piece, piece + 1, 2 * piece - 1}) {
+        std::vector<unsigned char> memory(bytes + 2, 7);
+        hmesh::kit::clear(ReverseFor(), memory.data() + 1, bytes);
+        CHECK(std::count(memory.begin(), memory.end(), 0) == static_cast<std::ptrdiff_t>(bytes));
+        CHECK((memory.front() == 7 && memory.back() == 7));
+    }
 }
 
 TEST_CASE("for_each_chunk cuts by the problem and not by the executor") {

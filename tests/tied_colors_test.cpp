@@ -2,11 +2,15 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <utility>
 #include <vector>
 
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/core/random.hpp"
 
 using hmesh::kit::Color;
@@ -36,6 +40,37 @@ TEST_CASE("entries of one place add up, and columns of a row rise") {
     CHECK((matrix.starts == std::vector<int>{0, 1, 3, 5, 6}));
     CHECK((matrix.columns == std::vector<int>{0, 1, 2, 1, 2, 3}));
     CHECK((matrix.values == std::vector<double>{7, 0.25, 1.5, 1.5, 3, 0}));
+}
+
+TEST_CASE("a matrix of many corners has at each place the sum in their order, to the bit, on any executor") {
+    constexpr std::uint32_t size = 30;
+    hmesh::kit::Random random(7);
+    hmesh::kit::TiedMatrix sums(size, 100);
+    std::map<std::pair<std::uint32_t, std::uint32_t>, double> expected;
+    for (int corner = 0; corner < 2000; ++corner) {
+        // Of very different sizes: any other order of addition would give another sum.
+        const auto a = static_cast<std::uint32_t>(random.uniform() * size),
+                   b = static_cast<std::uint32_t>(random.uniform() * size);
+        const double square = random.uniform() * std::ldexp(1.0, corner % 60), coupling = square * random.uniform();
+        sums.add_corner(a, b, square, coupling);
+        expected[{a, a}] += square;
+        if (a != b) expected[{std::min(a, b), std::max(a, b)}] += coupling;
+        else expected[{a, a}] += coupling, expected[{a, a}] += coupling;
+    }
+    int calls = 0;
+    const SymmetricMatrix matrix = sums.sum([&](std::size_t n, hmesh::Piece piece) {
+        ++calls;
+        for (std::size_t i = n; i-- > 0;) piece(i);
+    });
+    CHECK(calls > 1);
+    std::size_t found = 0;
+    for (std::uint32_t row = 0; row < size; ++row)
+        for (std::uint32_t column = 0; column < size; ++column) {
+            const auto at = expected.find({std::min(row, column), std::max(row, column)});
+            CHECK(entry(matrix, row, static_cast<int>(column)) == (at == expected.end() ? 0 : at->second));
+            found += at == expected.end() ? 0 : 1;
+        }
+    CHECK(matrix.values.size() == found);
 }
 
 TEST_CASE("vertices that are their own root have an unknown each, and copies that of their root, wherever it stands") {

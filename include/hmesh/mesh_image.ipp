@@ -92,7 +92,7 @@ template <int C>
     kit::IndexedMesh<C> mesh = fitted.copy();
     if (subject.fitted->scale() != nullptr) kit::take_sampled_colors(mesh, source);
     for (kit::Color<C>& color : mesh.colors) kit::detail::clamp_channels<C>(color, source.low(), source.high());
-    kit::finish_cut(mesh, source.has_straight_seams());
+    kit::finish_cut(mesh, source.has_straight_seams(), fitted.parallel_for());
     Mesh result = to_mesh(mesh, source.peak());
     result.premultiplied = options.premultiplied;
     return result;
@@ -120,7 +120,7 @@ template <int C>
     const double largest = colors == Colors::sampled ? sample_colors(tiled, tile, grid)
                                                      : bounded_colors(tiled, tile, {source.low(), source.high(), grid});
     kit::IndexedMesh<C>& mesh = tiled.indexed();
-    kit::finish_cut(mesh, source.has_straight_seams());
+    kit::finish_cut(mesh, source.has_straight_seams(), parallel_for);
     result.mesh = to_mesh(mesh, source.peak(), parallel_for);
     result.mesh.premultiplied = options.premultiplied;
     const bool is_exact = source.has_exact_sums(tile) && scale == nullptr;

@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 
 #include "hmesh/core/array.hpp"
 #include "hmesh/core/compiler.hpp"
@@ -59,6 +60,12 @@ HMESH_COLD inline void for_each_in_turn(const ParallelFor& parallel_for, std::si
     if (n <= grain) return body(0, n);
     for (std::size_t begin = 0; begin < n; begin += grain)
         parallel_for(1, [&](std::size_t) { body(begin, std::min(n, begin + grain)); });
+}
+
+/// Sets fresh memory to 0, in pieces of work: where the system has to find its pages, that takes 2.5 ms a megabyte.
+HMESH_COLD inline void clear(const ParallelFor& parallel_for, void* memory, std::size_t bytes) {
+    for_each_chunk(parallel_for, bytes, 1U << 21,
+                   [&](std::size_t begin, std::size_t end) { std::memset(static_cast<char*>(memory) + begin, 0, end - begin); });
 }
 
 /// The sum of body(begin, end) over the ranges of for_each_chunk(), added in index order.

@@ -17,6 +17,7 @@
 #include "hmesh/core/assert.hpp"
 #include "hmesh/core/compiler.hpp"
 #include "hmesh/core/function_ref.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/image_mesh.hpp"
 #include "hmesh/fit/largest_error.hpp"
 #include "hmesh/methods/stage.hpp"
@@ -67,7 +68,8 @@ template <int C>
 HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRange range) {
     constexpr double tie_weight = 0.25;
     const ImageSource<C>& source = tiled.source();
-    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size());  // to be added to
+    Array<CornerSums<C>> corners(3 * tiled.indexed().faces.size(), raw);
+    clear(tiled.parallel_for(), corners.data(), corners.size() * sizeof(CornerSums<C>));  // to be added to
     tiled.visit(tiling, [&](Patch<C>& patch, std::size_t, const std::uint32_t* faces) {
         for (const Face f : patch.mesh().topology().faces()) {
             const std::size_t k = 3 * std::size_t{faces[f.index()]};
@@ -99,7 +101,7 @@ HMESH_COLD double tied_colors(TiledMesh<C>& tiled, const Tiling& tiling, ColorRa
     rows.reserve(corners.size());
     for (const Triangle& face : mesh.faces)
         for (const std::uint32_t v : face) rows.push_back(tied.rows[v]);
-    const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge);
+    const auto system = tied_color_system(rows, corners, ties, colors, tiled.limits().ridge, tiled.parallel_for());
     (void)descend(system, range, colors, [&] { return tiled.progress().poll(); });
     for (std::size_t v = 0; v < mesh.colors.size(); ++v) mesh.colors[v] = colors[tied.rows[v]];
     return measure_finally(tiled, tiling);

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "hmesh/core/array.hpp"
-#include "hmesh/core/coded_order.hpp"
 #include "hmesh/core/compiler.hpp"
+#include "hmesh/core/parallel.hpp"
 #include "hmesh/fit/squared_error.hpp"
 #include "hmesh/mesh/mesh.hpp"
 #include "hmesh/mesh/torus.hpp"
@@ -59,20 +59,26 @@ class TiedMatrix {
         add_to_diagonal(a, coupling);
         add_to_diagonal(a, coupling);
     }
-    /// The matrix.
-    [[nodiscard]] HMESH_COLD SymmetricMatrix sum() const {
-        const Array<Entry> sides = summed_entries();
+    /// The matrix, with which the sums end. In turns of the executor.
+    [[nodiscard]] HMESH_COLD SymmetricMatrix sum(const ParallelFor& parallel_for = {}) {
+        for (const auto row : {&Entry::high, &Entry::low}) parallel_for(1, [&](std::size_t) { sort_by(row); });
+        std::size_t places = 0;
+        for (const Entry& entry : entries_) {
+            if (places > 0 && entries_[places - 1].is_at(entry)) entries_[places - 1].value += entry.value;
+            else entries_[places++] = entry;
+        }
+        entries_.resize(places);
         // Entries of each row before the diagonal and behind it: how many, then where the next one goes. They come in the order
         // of their columns.
         const std::size_t size = diagonal_.size();
         Array<int> before(size, 0), behind(size, 0);
-        for (const Entry& side : sides) {
+        for (const Entry& side : entries_) {
             ++behind[side.low];
             ++before[side.high];
         }
         SymmetricMatrix matrix;
-        matrix.columns.resize_raw(size + 2 * sides.size());
-        matrix.values.resize_raw(size + 2 * sides.size());
+        matrix.columns.resize_raw(size + 2 * places);
+        matrix.values.resize_raw(size + 2 * places);
         const auto put = [&](int at, std::size_t column, double value) {
             matrix.columns[static_cast<std::size_t>(at)] = static_cast<int>(column);
             matrix.values[static_cast<std::size_t>(at)] = value;
@@ -85,10 +91,12 @@ class TiedMatrix {
             before[row] = start;
             behind[row] = at + 1;
         }
-        for (const Entry& side : sides) {
-            put(behind[side.low]++, side.high, side.value);
-            put(before[side.high]++, side.low, side.value);
-        }
+        parallel_for(1, [&](std::size_t) {
+            for (const Entry& side : entries_) {
+                put(behind[side.low]++, side.high, side.value);
+                put(before[side.high]++, side.low, side.value);
+            }
+        });
         return matrix;
     }
 
@@ -97,18 +105,17 @@ class TiedMatrix {
     struct Entry {
         std::uint32_t low, high;  // rows
         double value;
+        [[nodiscard]] bool is_at(const Entry& other) const noexcept { return low == other.low && high == other.high; }
     };
-    /// Each place once, by low and high.
-    [[nodiscard]] Array<Entry> summed_entries() const {
-        const auto code = [&](std::uint32_t k) { return code_of(entries_[k].low, entries_[k].high); };
-        Array<Entry> sums;
-        std::uint64_t last = 0;  // of no entry: low < high
-        for (const Coded& at : sorted_numbers(entries_.size(), code)) {
-            const Entry& entry = entries_[at.number];
-            if (std::exchange(last, at.code) == at.code) sums.back().value += entry.value;
-            else sums.push_back(entry);
-        }
-        return sums;
+    /// Sorts the entries by one of their rows, those of one row in their order.
+    void sort_by(std::uint32_t Entry::*row) {
+        Array<std::uint32_t> next(diagonal_.size(), 0);  // of each row: how many there are, then where the next one goes
+        for (const Entry& entry : entries_) ++next[entry.*row];
+        std::uint32_t first = 0;
+        for (std::uint32_t& at : next) at = std::exchange(first, first + at);
+        Array<Entry> sorted(entries_.size(), raw);
+        for (const Entry& entry : entries_) sorted[next[entry.*row]++] = entry;
+        entries_ = std::move(sorted);
     }
 
     Array<double> diagonal_;
@@ -130,7 +137,7 @@ template <int C>
 [[nodiscard]] HMESH_COLD detail::ColorSystem<C> tied_color_system(const Array<std::uint32_t>& rows,
                                                                   const Array<CornerSums<C>>& corners,
                                                                   const Array<ColorTie<C>>& ties, const Array<Color<C>>& colors,
-                                                                  double ridge) {
+                                                                  double ridge, const ParallelFor& parallel_for = {}) {
     const std::size_t size = colors.size();
     detail::ColorSystem<C> system;
     system.ridge = ridge;
@@ -145,7 +152,7 @@ template <int C>
         gram.add_to_diagonal(tie.row, tie.weight);
         system.rhs[tie.row] += tie.weight * tie.color;
     }
-    system.gram = gram.sum();
+    system.gram = gram.sum(parallel_for);
     system.inverse.assign(size, 0.0);
     for (std::size_t row = 0; row < size; ++row) {
         system.rhs[row].set(C, 0);

@@ -102,10 +102,12 @@ struct Recut {
 }
 
 /// The turns of the faces of a sheet that shorten its border: a face goes to the side where two of its neighbours are as long as
-/// there is one.
+/// there is one. In turns of the executor.
 [[nodiscard]] HMESH_COLD inline Array<Turns> shortening_turns(const Array<Point>& positions, const Array<Triangle>& faces,
-                                                              const Array<std::uint32_t>& roots, const Torus& torus) {
-    const Array<TorusSide> sides = torus_sides(positions, faces, roots, torus);
+                                                              const Array<std::uint32_t>& roots, const Torus& torus,
+                                                              const ParallelFor& parallel_for = {}) {
+    Array<TorusSide> sides;
+    parallel_for(1, [&](std::size_t) { sides = torus_sides(positions, faces, roots, torus); });
     struct Neighbor {
         std::uint32_t face = 0;
         Turns away;  // how far it is from where the face would meet it
@@ -120,9 +122,8 @@ struct Recut {
         ++k;
     }
     Array<Turns> turns(faces.size());
-    // Each move takes an edge off the border, so there is an end.
-    for (bool changed = true; changed;) {
-        changed = false;
+    const auto shorten = [&] {
+        bool changed = false;
         for (std::size_t f = 0; f < faces.size(); ++f) {
             const auto count_at = [&](Turns place) {
                 int count = 0;
@@ -143,7 +144,10 @@ struct Recut {
                 break;
             }
         }
-    }
+        return changed;
+    };
+    // Each move takes an edge off the border, so there is an end.
+    for (bool changed = true; changed;) parallel_for(1, [&](std::size_t) { changed = shorten(); });
     return turns;
 }
 
@@ -227,12 +231,13 @@ HMESH_COLD void recut(IndexedMesh<C>& mesh, int x, int y, const ParallelFor& par
 /// The last cut of a periodic mesh, for the user: along the sides of the image if these are `straight` seams, else as short as
 /// moves of single faces make it; no two fans of faces meet in one vertex. The mesh is no more for phases of work.
 template <int C>
-HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight) {
+HMESH_COLD void finish_cut(IndexedMesh<C>& mesh, bool straight, const ParallelFor& parallel_for = {}) {
     if (mesh.periodic == Periodic::none) return;
-    recut(mesh, 0, 0);
+    recut(mesh, 0, 0, parallel_for);
     if (!straight) {
-        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus());
-        detail::take(mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus()));
+        const Array<Turns> turns = detail::shortening_turns(mesh.positions, mesh.faces, mesh.roots, mesh.torus(), parallel_for);
+        detail::take(
+            mesh, detail::moved_faces(mesh.positions, std::move(mesh.faces), mesh.roots, turns, 0, mesh.torus(), parallel_for));
     }
     for (const std::uint32_t v : detail::split_fans(mesh.roots, mesh.faces)) {
         mesh.add(mesh.positions[v], Color<C>(mesh.colors[v]));
