@@ -17709,7 +17709,7 @@ template <int C>
     kit::IndexedMesh<C> mesh = fitted.copy();
     if (subject.fitted->scale() != nullptr) kit::take_sampled_colors(mesh, source);
     for (kit::Color<C>& color : mesh.colors) kit::detail::clamp_channels<C>(color, source.low(), source.high());
-    kit::finish_cut(mesh, source.has_straight_seams(), fitted.parallel_for());
+    kit::finish_cut(mesh, source.has_straight_seams());
     Mesh result = to_mesh(mesh, source.peak());
     result.premultiplied = options.premultiplied;
     return result;
